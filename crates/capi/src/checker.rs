@@ -5,7 +5,7 @@ use std::ffi::{c_char, c_void};
 use lin_canny::nalgebra::UnitQuaternion;
 use lin_canny_plan::{
     Checker, ConfigurationSpace, JointCurve, JointMotion, JointTree, Path, PlanError, PlanMethod, PlanOptions,
-    RigidSpace, TranslationSpace, World,
+    RigidSpace, Shortcuts, TranslationSpace, World,
 };
 
 use crate::border::{Status, bad_argument, error, guarded, lc_status, refused};
@@ -846,7 +846,7 @@ pub unsafe extern "C" fn lc_checker_plan(
                 return Err(error(lc_status::LC_ARGUMENT, &message));
             }
         };
-        let mut options = PlanOptions::default().seed(given.seed).method(method);
+        let mut options = PlanOptions::default().seed(given.seed);
         for (budget, given) in [
             (&mut options.slices, given.slices),
             (&mut options.samples, given.samples),
@@ -861,12 +861,15 @@ pub unsafe extern "C" fn lc_checker_plan(
             object.check(coordinates)?;
             object.path.clear();
             let path = each!(&mut object.checker, c => {
-                let plan = c.plan_with_progress(start, goal, &options, &mut |p| reporter.report(p));
+                let mut report = |p| reporter.report(p);
+                let plan = method.plan(c, [start, goal], &options, &mut report);
                 reporter.finish()?;
                 match plan.map_err(refused)?.path {
-                    Some(path) => c
-                        .shorten_with_progress(&path, tries, given.seed, &mut |p| reporter.report(p))
-                        .map_err(refused)?,
+                    Some(path) => {
+                        let mut report = |p| reporter.report(p);
+                        let shortcuts = Shortcuts::new(tries, given.seed).progress(&mut report);
+                        shortcuts.shorten(c, &path).map_err(refused)?
+                    }
                     None => Path::new(),
                 }
             });

@@ -8,7 +8,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Progress};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, EdgeKind, FreewayEnd, JointMotion, Plan, PlanMethod, PlanOptions, PlanarSpace, World,
+    Checker, ConfigurationSpace, EdgeKind, FreewayEnd, JointMotion, Opportunistic, Plan, PlanOptions, PlanarSpace,
+    Shortcuts, World, widen,
 };
 use lin_canny_record::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 use std::path::PathBuf;
@@ -85,14 +86,11 @@ fn run(options: &Options) -> Result<(), Trouble> {
     let space = PlanarSpace::new(ROOM.map(|half| [-half, half]), 0.7, PIECES.len())?;
     let mut checker = Checker::new(space, world)?;
     let (start, goal) = ([-1.4, 0.3, 1.57], [1.4, -0.3, -1.57]);
-    let search = PlanOptions::default()
-        .method(PlanMethod::Opportunistic)
-        .seed(options.seed)
-        .unlimited();
+    let search = PlanOptions::default().seed(options.seed).unlimited();
     let began = Instant::now();
-    let plan = checker.plan_with_progress(&start, &goal, &search, &mut |_| {
-        Progress::stop_if(began.elapsed() > options.seconds)
-    })?;
+    let plan = Opportunistic::new(&search)
+        .progress(&mut |_| Progress::stop_if(began.elapsed() > options.seconds))
+        .plan(&mut checker, &start, &goal)?;
     let work = &plan.work;
     println!(
         "{:.2?}: {} freeways, {} bridges, {} random slices, {} configurations",
@@ -104,8 +102,8 @@ fn run(options: &Options) -> Result<(), Trouble> {
     );
     let path = match &plan.path {
         Some(path) => {
-            let short = checker.shorten(path, 300, options.seed)?;
-            let wide = checker.widen(&short, 0.1, 0.2, 4)?;
+            let short = Shortcuts::new(300, options.seed).shorten(&mut checker, path)?;
+            let wide = widen(&mut checker, &short, 0.1, 0.2, 4)?;
             let mut least = f64::INFINITY;
             for ends in wide.windows(2) {
                 least = least.min(
@@ -117,8 +115,8 @@ fn run(options: &Options) -> Result<(), Trouble> {
             println!(
                 "path: {} segments of length {:.2}; shortened to {:.2}, widened to a proven clearance of {least:.4}",
                 path.len() - 1,
-                checker.path_length(path),
-                checker.path_length(&short)
+                checker.space().path_length(path),
+                checker.space().path_length(&short)
             );
             wide
         }
@@ -234,7 +232,7 @@ fn slices(svg: &mut Svg, plan: &Plan) {
 
 /// The L at places along the path, evenly in length.
 fn silhouettes(svg: &mut Svg, checker: &Checker<PlanarSpace>, path: &[Vec<f64>]) {
-    let whole = checker.path_length(path);
+    let whole = checker.space().path_length(path);
     let (mut gone, mut next) = (0.0, 0.0);
     for ends in path.windows(2) {
         let length = checker.space().distance(&ends[0], &ends[1]);

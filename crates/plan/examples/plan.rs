@@ -9,7 +9,9 @@
 use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Geometry, Progress};
-use lin_canny_plan::{Checker, JointMotion, Path, PlanError, PlanOptions, RigidSpace, World};
+use lin_canny_plan::{
+    Checker, ConfigurationSpace, JointMotion, Path, PlanError, PlanOptions, RigidSpace, RrtConnect, Shortcuts, World,
+};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -220,10 +222,9 @@ fn run(job: &Job, out: &std::path::Path) -> Result<bool, String> {
     let options = PlanOptions::default().seed(job.seed).unlimited();
     let began = Instant::now();
     let [start, goal] = &job.ends;
-    let plan = checker
-        .plan_with_progress(start, goal, &options, &mut |_| {
-            Progress::stop_if(began.elapsed() >= job.limit)
-        })
+    let plan = RrtConnect::new(&options)
+        .progress(&mut |_| Progress::stop_if(began.elapsed() >= job.limit))
+        .plan(&mut checker, start, goal)
         .map_err(said)?;
     let (work, took) = (plan.work, began.elapsed());
     println!(
@@ -246,8 +247,8 @@ fn run(job: &Job, out: &std::path::Path) -> Result<bool, String> {
 
 /// A shorter path; says how long and how clear.
 fn shortened(checker: &mut Checker<RigidSpace>, found: &[Vec<f64>], seed: u64) -> Result<Path, PlanError> {
-    let path = checker.shorten(found, 200, seed)?;
-    let (length, short) = (checker.path_length(found), checker.path_length(&path));
+    let path = Shortcuts::new(200, seed).shorten(checker, found)?;
+    let (length, short) = (checker.space().path_length(found), checker.space().path_length(&path));
     let mut least = f64::INFINITY;
     for ends in path.windows(2) {
         least = least.min(

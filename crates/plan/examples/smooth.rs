@@ -9,7 +9,9 @@ use std::process::ExitCode;
 use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, JointMotion, PlanOptions, PlanarSpace, SmoothOptions, SmoothPath, World};
+use lin_canny_plan::{
+    Checker, JointMotion, PlanOptions, PlanarSpace, RrtConnect, Shortcuts, SmoothOptions, SmoothPath, Smoother, World,
+};
 use lin_canny_record::svg::{BLUE, GREY, INK, ORANGE, Place, SKY, Svg};
 
 /// Smooth a planned path of a plank around walls, within limits of velocity and acceleration
@@ -54,9 +56,9 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     let space = PlanarSpace::new([[-1.4, 1.4], [-0.95, 0.95]], 0.25, 1)?;
     let mut checker = Checker::new(space, world)?;
     let search = PlanOptions::default().seed(options.seed);
-    let plan = checker.plan(&[-1.2, -0.6, 0.0], &[1.2, -0.6, 0.0], &search)?;
+    let plan = RrtConnect::new(&search).plan(&mut checker, &[-1.2, -0.6, 0.0], &[1.2, -0.6, 0.0])?;
     let path = plan.path.ok_or("no path found")?;
-    let path = checker.shorten(&path, 300, options.seed)?;
+    let path = Shortcuts::new(300, options.seed).shorten(&mut checker, &path)?;
 
     let mut motions = Vec::new();
     for (name, deviation, is_continuous) in [
@@ -67,7 +69,7 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
         let limits = SmoothOptions::new(VELOCITY, [options.acceleration; 3])
             .deviation(deviation)
             .continuous_acceleration(is_continuous);
-        let motion = checker.smooth(&path, &limits)?;
+        let motion = Smoother::new(&limits).smooth(&mut checker, &path)?;
         let is_free = checker.certify(&JointMotion::spline(&motion.curves)?)?.is_free();
         println!(
             "{name}: {:.3} s, {} curves, stops at {} of {} corners, free = {is_free}",

@@ -202,6 +202,9 @@ pub enum PlanError {
         /// Name of the second body.
         b: String,
     },
+    /// Returned if the progress callback stopped a call that has no result so far.
+    #[error("the call was stopped by its progress callback")]
+    Stopped,
     /// Returned if a path has no configuration.
     #[error("path is empty (expected at least one configuration)")]
     Empty,

@@ -4,12 +4,12 @@
 //! bodies at a configuration and their motion along a segment. A [`World`] holds the bodies of the
 //! robot, the obstacles and the pairs that may touch; shapes may be of any kind.
 //! [`Checker::certify`] decides a segment over its whole length. There is no step size, so no
-//! contact between two samples is missed. [`Checker::plan`] searches for a path of segments that
-//! are proven free.
+//! contact between two samples is missed. [`RrtConnect`] searches for a path of segments that are
+//! proven free.
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
-//! use lin_canny_plan::{Checker, JointMotion, PlanOptions, RigidSpace, World};
+//! use lin_canny_plan::{Checker, JointMotion, PlanOptions, RigidSpace, World, RrtConnect, Shortcuts};
 //! use lin_canny::polyhedron::solids;
 //!
 //! // A rod, and a wall of two blocks with a slit between them.
@@ -26,9 +26,9 @@
 //! let at = |x: f64| Isometry3::translation(x, 0.8, 0.0);
 //! let ends = [-1.5, 1.5].map(|x| RigidSpace::configuration(&at(x)));
 //! assert!(!checker.certify(&JointMotion::segment(&ends[0], &ends[1]))?.is_free());
-//! let plan = checker.plan(&ends[0], &ends[1], &PlanOptions::default())?;
+//! let plan = RrtConnect::new(&PlanOptions::default()).plan(&mut checker, &ends[0], &ends[1])?;
 //! let path = plan.path.expect("the slit is wide enough");
-//! let short = checker.shorten(&path, 100, 1)?;
+//! let short = Shortcuts::new(100, 1).shorten(&mut checker, &path)?;
 //! assert!(checker.certify(&JointMotion::path(&short)?)?.is_free());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -41,7 +41,7 @@
 //! | May a part leave the table on which it lies? | [`Checker::set_start_contact_margin`], then `certify` | [`Verdict::Free`] with the contacts that are left |
 //! | And with a tracking error of each joint? | [`JointMotion::with_tube`]; [`Checker::tube_contact`] | [`Verdict`] for all motions within the error; a contact within it |
 //! | Are all motions near a segment free? | [`JointMotion::with_radius`] | [`Verdict`] for all motions within a distance of the segment |
-//! | How does a robot execute a path smoothly, within its limits? | [`Checker::smooth`] | rows of times, positions and velocities, and curves proven free |
+//! | How does a robot execute a path smoothly, within its limits? | [`Smoother`] | rows of times, positions and velocities, and curves proven free |
 //! | And among obstacles that move? | [`World::moving_obstacle`], [`JointMotion::with_times`] | [`Verdict`] on one clock |
 //! | Why is a motion free? | [`Checker::certify_with`] | the certificates of every pair, in order of time |
 //! | How does somebody else check it? | [`Receipt::motion`](receipt::Receipt::motion) | a text that proves it without this library: see [`receipt`] |
@@ -103,19 +103,19 @@
 //!
 //! # The search for a path
 //!
-//! [`PlanMethod`] names the methods. The default is RRT-Connect.
+//! Two planners search with a checker; [`PlanMethod`] names them.
 //!
-//! | | RRT-Connect | opportunistic planner |
+//! | | [`RrtConnect`] | [`Opportunistic`] |
 //! |---|---|---|
 //! | roadmap | a tree from the start and one from the goal | freeways of largest clearance, and links |
 //! | needs | predicates and proofs of segments | distances and gradients as well |
 //! | best at | arms in cells; shorter paths | narrow passages into which the clearance leads |
 //!
 //! Every edge of the roadmap is proven free, and a path is certified again in its direction. Both
-//! methods are *probabilistically complete*: the probability of missing a path whose clearance
-//! exceeds the margin tends to zero as the search goes on. No method proves that there is no path.
+//! planners are *probabilistically complete*: the probability of missing a path whose clearance
+//! exceeds the margin tends to zero as the search goes on. Neither proves that there is no path.
 //! The budgets are counts ([`PlanOptions`]), or the caller stops the search by a clock
-//! ([`Checker::plan_with_progress`]). The same seed gives the same result, bit for bit.
+//! ([`RrtConnect::progress`]). The same seed gives the same result, bit for bit.
 //!
 //! ## RRT-Connect
 //!
@@ -215,9 +215,10 @@ pub use range::pair_boxes::PairBoxes;
 pub use range::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
 pub use search::freeway::FreewayEnd;
 pub use search::options::{Plan, PlanMethod, PlanOptions, PlanWork};
+pub use search::plan::{Opportunistic, RrtConnect};
 pub use search::roadmap::{Edge, EdgeKind, Freeway, Roadmap};
-pub use search::shorten::Path;
-pub use search::smooth::{SmoothOptions, SmoothPath};
+pub use search::shorten::{Path, Shortcuts, widen};
+pub use search::smooth::{SmoothOptions, SmoothPath, Smoother};
 
 #[doc = include_str!("../docs/gradients.md")]
 pub mod gradients {}

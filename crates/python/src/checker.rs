@@ -23,7 +23,8 @@ use std::time::Instant;
 use lin_canny::Progress;
 use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{
-    Checker as Loaded, ConfigurationSpace, JointMotion, JointTree, Path, PlanError, PlanMethod, PlanOptions, World,
+    Checker as Loaded, ConfigurationSpace, JointMotion, JointTree, Path, PlanError, PlanMethod, PlanOptions, Shortcuts,
+    World,
 };
 use lin_canny_robot::{Cell, Coordinate, Setup};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
@@ -372,10 +373,10 @@ impl Checker {
         let names = || PlanMethod::ALL.map(|known| format!("{:?}", known.name())).join(", ");
         let method = PlanMethod::from_name(method)
             .ok_or_else(|| refused(format!("method is {method:?} (expected one of {})", names())))?;
-        let options = PlanOptions::default().unlimited().method(method).seed(seed);
+        let options = PlanOptions::default().unlimited().seed(seed);
         let options = options.slices(slices).samples(samples);
         let limit = seconds.unwrap_or(f64::INFINITY);
-        let path = py.detach(|| self.search(&ends, &options, limit, shorten))?;
+        let path = py.detach(|| self.search(method, &ends, &options, limit, shorten))?;
         let Some(path) = path else { return Ok(None) };
         let (rows, columns) = (path.len(), self.dof());
         Ok(Some(PyArray1::from_vec(py, path.concat()).reshape([rows, columns])?))
@@ -433,6 +434,7 @@ impl Checker {
 
     fn search(
         &mut self,
+        method: PlanMethod,
         [start, goal]: &[Vec<f64>; 2],
         options: &PlanOptions,
         seconds: f64,
@@ -444,11 +446,11 @@ impl Checker {
             let is_stopped = watch.look(now).is_break();
             Progress::stop_if(is_stopped || began.elapsed().as_secs_f64() > seconds)
         };
-        let found = self.checker.plan_with_progress(start, goal, options, &mut stop);
+        let found = method.plan(&mut self.checker, [start, goal], options, &mut stop);
         Python::attach(|py| watch.finish(py, false))?;
         match found.map_err(|e| self.fault(&e))?.path {
             Some(path) => {
-                let short = self.checker.shorten(&path, shorten, options.seed);
+                let short = Shortcuts::new(shorten, options.seed).shorten(&mut self.checker, &path);
                 Ok(Some(short.map_err(|e| self.fault(&e))?))
             }
             None => Ok(None),

@@ -8,7 +8,9 @@ use clap::Parser;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointMotion, JointTree, PlanOptions};
+use lin_canny_robot::plan::{
+    Checker, ConfigurationSpace, JointMotion, JointTree, PlanOptions, RrtConnect, Shortcuts, widen,
+};
 use lin_canny_robot::{LoadOptions, Packages, Robot, Setup};
 use race::plot::Chart;
 use std::path::PathBuf;
@@ -69,9 +71,9 @@ fn run(options: &Options) -> Result<(), Trouble> {
     let [start, goal] = BINS.map(motion::carry);
     let search = PlanOptions::default().seed(options.seed).unlimited();
     let began = Instant::now();
-    let plan = checker.plan_with_progress(&start, &goal, &search, &mut |_| {
-        Progress::stop_if(began.elapsed() > options.seconds)
-    })?;
+    let plan = RrtConnect::new(&search)
+        .progress(&mut |_| Progress::stop_if(began.elapsed() > options.seconds))
+        .plan(&mut checker, &start, &goal)?;
     let (took, work) = (began.elapsed(), plan.work);
     println!(
         "{took:.2?}: {} samples, {} configurations, {} distance queries",
@@ -82,14 +84,14 @@ fn run(options: &Options) -> Result<(), Trouble> {
     let Some(found) = plan.path else {
         return Err("no path found: there may be one nevertheless".into());
     };
-    let short = checker.shorten(&found, 300, options.seed)?;
-    let wide = checker.widen(&short, 0.05, 0.15, 6)?;
+    let short = Shortcuts::new(300, options.seed).shorten(&mut checker, &found)?;
+    let wide = widen(&mut checker, &short, 0.05, 0.15, 6)?;
     let least = checker.clearance_along(&JointMotion::path(&wide)?, 0.05)?.lower;
     println!(
         "path: length {:.2}; shortened to {:.2}, widened to {:.2}; proven clearance {least:.4}",
-        checker.path_length(&found),
-        checker.path_length(&short),
-        checker.path_length(&wide)
+        checker.space().path_length(&found),
+        checker.space().path_length(&short),
+        checker.space().path_length(&wide)
     );
     let before = clearances(&mut checker, &short)?;
     let after = clearances(&mut checker, &wide)?;
@@ -107,7 +109,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
 
 /// Configurations along a path, evenly in length.
 fn along(checker: &Checker<JointTree>, path: &[Vec<f64>], count: usize) -> Vec<Vec<f64>> {
-    let whole = checker.path_length(path);
+    let whole = checker.space().path_length(path);
     let (mut list, mut gone) = (vec![], 0.0);
     for ends in path.windows(2) {
         let length = checker.space().distance(&ends[0], &ends[1]);

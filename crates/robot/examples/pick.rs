@@ -13,7 +13,9 @@ use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, Progress, Shape};
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointMotion, JointTree, NearPair, PlanOptions, Verdict};
+use lin_canny_robot::plan::{
+    Checker, ConfigurationSpace, JointMotion, JointTree, NearPair, PlanOptions, RrtConnect, Shortcuts, Verdict, widen,
+};
 use lin_canny_robot::{RobotFiles, RobotRecorder, record};
 use truth::arm::Trouble;
 use truth::command::{count, file};
@@ -268,17 +270,19 @@ fn planned(
     let began = Instant::now();
     let options = PlanOptions::default().seed(seed).unlimited();
     let limit = Duration::from_secs(40);
-    let plan = checker.plan_with_progress(from, to, &options, &mut |_| Progress::stop_if(began.elapsed() > limit))?;
+    let plan = RrtConnect::new(&options)
+        .progress(&mut |_| Progress::stop_if(began.elapsed() > limit))
+        .plan(checker, from, to)?;
     let path = plan.path.ok_or(format!("{what}: no path found in {limit:.0?}"))?;
-    let path = checker.shorten(&path, 200, seed)?;
-    let path = checker.widen(&path, 0.03, 0.2, 4)?;
+    let path = Shortcuts::new(200, seed).shorten(checker, &path)?;
+    let path = widen(checker, &path, 0.03, 0.2, 4)?;
     let motion = JointMotion::path(&path)?;
     let verdict = checker.certify(&motion)?;
     if !verdict.is_free() {
         return Err(format!("{what}: {}", checker.show(&verdict)).into());
     }
     let least = checker.clearance_along(&motion, 0.05)?.lower;
-    let length = checker.path_length(&path);
+    let length = checker.space().path_length(&path);
     println!(
         "{what}: {} segments, {length:.2} rad, proven free in {:.1?}; all pairs at least {least:.4} m apart",
         path.len() - 1,

@@ -3,7 +3,7 @@
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_plan::JointMotion;
-use lin_canny_robot::plan::SmoothOptions;
+use lin_canny_robot::plan::{SmoothOptions, Smoother};
 use lin_canny_robot::{Cell, FileError, LoadOptions, Packages, Robot, Setup, Trajectory};
 
 fn robot() -> Robot {
@@ -350,7 +350,9 @@ fn smooth_motions_are_read_back_bit_for_bit_and_proven() {
         let velocity: Vec<f64> = setup.coordinates().iter().filter_map(|c| c.velocity).collect();
         let options =
             SmoothOptions::new(velocity, [rng.log_range(0.1, 30.0); 6]).continuous_acceleration(round % 2 == 0);
-        let smooth = checker.smooth(&path, &options).expect("a free path");
+        let smooth = Smoother::new(&options)
+            .smooth(&mut checker, &path)
+            .expect("a free path");
         stops += smooth.stops.len();
         let spans = smooth.times.windows(2).map(|ends| [ends[0], ends[1]]);
         let timed = smooth.curves.iter().zip(spans);

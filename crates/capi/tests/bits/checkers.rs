@@ -1,11 +1,12 @@
 //! Checkers of a body that moves, of one that turns, and of a robot.
 
 use std::ffi::CString;
+use std::ops::ControlFlow;
 
 use lin_canny_c::*;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, JointCurve, JointMotion, NearPair, Path, PlanOptions, RigidSpace, TranslationSpace,
-    Verdict, World, WorldId,
+    Checker, ConfigurationSpace, JointCurve, JointMotion, NearPair, Path, PlanMethod, PlanOptions, RigidSpace,
+    Shortcuts, TranslationSpace, Verdict, World, WorldId,
 };
 use lin_canny_robot::RobotFiles;
 
@@ -259,10 +260,13 @@ fn compare_plans<C: ConfigurationSpace>(rust: &mut Checker<C>, c: lc_checker, q:
     let (mut found, mut refused) = (0, 0);
     for k in 0..q.len() / n - 1 {
         let (seed, tries) = (k as u64, k % 4);
-        let mut options = PlanOptions::default().seed(seed).samples(8).slices(1).queries(300);
-        options.method = lin_canny_plan::PlanMethod::ALL[k % 2];
-        let r = rust.plan(at(k), at(k + 1), &options);
-        let r = r.map(|plan| plan.path.map(|path| rust.shorten(&path, tries, seed).unwrap()));
+        let options = PlanOptions::default().seed(seed).samples(8).slices(1).queries(300);
+        let mut unwatched = |_| ControlFlow::Continue(());
+        let r = PlanMethod::ALL[k % 2].plan(rust, [at(k), at(k + 1)], &options, &mut unwatched);
+        let r = r.map(|plan| {
+            plan.path
+                .map(|path| Shortcuts::new(tries, seed).shorten(rust, &path).unwrap())
+        });
         let options = lc_plan_options {
             seed,
             slices: 1,

@@ -134,6 +134,11 @@ pub trait ConfigurationSpace {
         let squares = step.iter().zip(self.scales()).map(|(x, s)| (x * s) * (x * s));
         f64::sqrt(squares.sum())
     }
+
+    /// Returns the length of a path, the sum of the [`distance`](Self::distance) of its segments.
+    fn path_length(&self, path: &[Vec<f64>]) -> f64 {
+        path.windows(2).map(|ends| self.distance(&ends[0], &ends[1])).sum()
+    }
 }
 
 /// The joints between the world and a body.

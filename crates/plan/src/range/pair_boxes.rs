@@ -128,7 +128,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Answers by the boxes of pairs from now on, where they decide.
     ///
     /// [`is_free_at`](Self::is_free_at), [`is_free`](Self::is_free), [`certify`](Self::certify) and
-    /// [`plan`](Self::plan) look up each of these pairs before they query it. Verdicts stay; only
+    /// the planners look up each of these pairs before they query it. Verdicts stay; only
     /// within rounding of the margin a box may prove a segment free that is undecided without. A pair
     /// that must keep more than its boxes prove is queried as before, and so are all pairs inside
     /// tubes and if contacts at the start are accepted. Changes of the world keep the boxes.

@@ -4,7 +4,7 @@ mod ascent;
 pub(crate) mod freeway;
 mod opportunistic;
 pub(crate) mod options;
-mod plan;
+pub(crate) mod plan;
 pub(crate) mod roadmap;
 mod rrt_connect;
 pub(crate) mod shorten;

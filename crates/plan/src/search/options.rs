@@ -4,10 +4,9 @@ use crate::check::verdict::CheckWork;
 use crate::search::roadmap::Roadmap;
 use crate::search::shorten::Path;
 
-/// The method of [`Checker::plan`](crate::Checker::plan).
+/// The name of a planner, such as that of an option of a tool.
 ///
-/// Every segment of a path is proven free, whatever the method. The [crate](crate) explains both
-/// methods.
+/// The [crate](crate) explains both planners.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum PlanMethod {
@@ -39,12 +38,10 @@ impl PlanMethod {
     }
 }
 
-/// Method, budget and seed of a search. The search ends when the first budget is spent.
+/// Budget and seed of a search. The search ends when the first budget is spent.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct PlanOptions {
-    /// The method (default [`PlanMethod::RrtConnect`]).
-    pub method: PlanMethod,
     /// Random seed (default 0). A new checker returns the same result for the same seed, and so
     /// does any checker after [`Checker::forget`](crate::Checker::forget).
     pub seed: u64,
@@ -56,7 +53,8 @@ pub struct PlanOptions {
     ///
     /// A step is a freeway or a sample. The default takes seconds to tens of seconds, depending on
     /// the bodies. To stop by a clock, set all three budgets to `u64::MAX`
-    /// ([`unlimited`](Self::unlimited)) and call [`Checker::plan_with_progress`](crate::Checker::plan_with_progress).
+    /// ([`unlimited`](Self::unlimited)), and stop the search by
+    /// [`RrtConnect::progress`](crate::RrtConnect::progress).
     pub queries: u64,
     /// Clearance at which an ascent ends, because more is no better. `None` is an eighth of the
     /// largest extent of the bounds.
@@ -66,7 +64,6 @@ pub struct PlanOptions {
 impl Default for PlanOptions {
     fn default() -> Self {
         Self {
-            method: PlanMethod::default(),
             seed: 0,
             slices: 10_000,
             samples: 100_000,
@@ -77,13 +74,6 @@ impl Default for PlanOptions {
 }
 
 impl PlanOptions {
-    /// Sets the method.
-    #[must_use]
-    pub const fn method(mut self, method: PlanMethod) -> Self {
-        self.method = method;
-        self
-    }
-
     /// Sets the random seed.
     #[must_use]
     pub const fn seed(mut self, seed: u64) -> Self {

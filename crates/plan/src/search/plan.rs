@@ -1,4 +1,4 @@
-//! The search for a path: methods, options, result and entry points.
+//! The planners, and what their searches share.
 //!
 //! Beyond rounding, predicates and verdicts do not depend on the state of the trackers, so neither
 //! do the trees of RRT-Connect. An ascent of the opportunistic planner uses distances, whose last
@@ -26,30 +26,131 @@ use crate::search::rrt_connect::TreeSearch;
 const LONGEST: f64 = 1.0 / 16.0;
 const SHORTEST: f64 = 1.0 / 32_768.0;
 
-impl<C: ConfigurationSpace> Checker<C> {
-    /// Searches for a path from `start` to `goal`; [`PlanOptions::method`] is how.
+/// Receives the progress of a search, and may stop it.
+type Watch<'a> = Option<&'a mut dyn FnMut(Progress) -> ControlFlow<()>>;
+
+/// RRT-Connect: two trees of segments proven free, from start and goal (Kuffner and LaValle 2000).
+///
+/// ```
+/// use lin_canny::nalgebra::Isometry3;
+/// use lin_canny::{Progress, Shape};
+/// use lin_canny_plan::{Checker, PlanOptions, RrtConnect, TranslationSpace, World};
+///
+/// let mut world = World::new();
+/// world.robot_body("drone", Shape::ball(0.1)?);
+/// world.obstacle("mast", Shape::ball(0.5)?, Isometry3::identity());
+/// let space = TranslationSpace::new([[-2.0, 2.0]; 3], Default::default(), 1)?;
+/// let mut checker = Checker::new(space, world)?;
+///
+/// let options = PlanOptions::default().seed(1);
+/// let mut stop = |now: Progress| Progress::stop_if(now.done > 100_000);
+/// let planner = RrtConnect::new(&options).progress(&mut stop);
+/// let plan = planner.plan(&mut checker, &[-1.0, 0.0, 0.0], &[1.0, 0.0, 0.0])?;
+/// assert!(plan.path.is_some_and(|path| path.len() > 2));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct RrtConnect<'a> {
+    options: PlanOptions,
+    progress: Watch<'a>,
+}
+
+impl<'a> RrtConnect<'a> {
+    /// Returns the planner with these options.
+    #[must_use]
+    pub fn new(options: &PlanOptions) -> Self {
+        Self {
+            options: options.clone(),
+            progress: None,
+        }
+    }
+
+    /// Sets the progress callback, which receives the number of queries before each sample. If it
+    /// stops the search, for example at a time limit, [`Plan::path`] is `None`.
+    #[must_use]
+    pub fn progress(mut self, progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>) -> Self {
+        self.progress = Some(progress);
+        self
+    }
+
+    /// Searches for a path from `start` to `goal`.
     ///
     /// # Errors
     /// Returns an error if a configuration is invalid or closer to contact than the margin, or if
     /// an option is out of range.
-    pub fn plan(&mut self, start: &[f64], goal: &[f64], options: &PlanOptions) -> Result<Plan, PlanError> {
-        self.plan_with_progress(start, goal, options, &mut |_| ControlFlow::Continue(()))
-    }
-
-    /// Searches for a path as [`plan`](Self::plan) does, with a progress callback.
-    ///
-    /// The callback receives the number of queries between two steps: freeways or samples. If it
-    /// stops the search, for example at a time limit, `path` is `None`.
-    ///
-    /// # Errors
-    /// As [`plan`](Self::plan).
-    pub fn plan_with_progress(
-        &mut self,
+    pub fn plan<C: ConfigurationSpace>(
+        self,
+        checker: &mut Checker<C>,
         start: &[f64],
         goal: &[f64],
+    ) -> Result<Plan, PlanError> {
+        checker.search(PlanMethod::RrtConnect, &self.options, self.progress, [start, goal])
+    }
+}
+
+/// The opportunistic planner: freeways of largest clearance in slices (Canny and Lin 1993).
+pub struct Opportunistic<'a> {
+    options: PlanOptions,
+    progress: Watch<'a>,
+}
+
+impl<'a> Opportunistic<'a> {
+    /// Returns the planner with these options.
+    #[must_use]
+    pub fn new(options: &PlanOptions) -> Self {
+        Self {
+            options: options.clone(),
+            progress: None,
+        }
+    }
+
+    /// Sets the progress callback, which receives the number of queries before each slice: see
+    /// [`RrtConnect::progress`].
+    #[must_use]
+    pub fn progress(mut self, progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>) -> Self {
+        self.progress = Some(progress);
+        self
+    }
+
+    /// Searches for a path from `start` to `goal`.
+    ///
+    /// # Errors
+    /// As [`RrtConnect::plan`].
+    pub fn plan<C: ConfigurationSpace>(
+        self,
+        checker: &mut Checker<C>,
+        start: &[f64],
+        goal: &[f64],
+    ) -> Result<Plan, PlanError> {
+        checker.search(PlanMethod::Opportunistic, &self.options, self.progress, [start, goal])
+    }
+}
+
+impl PlanMethod {
+    /// Searches for a path from start to goal by the planner of this name.
+    ///
+    /// # Errors
+    /// As [`RrtConnect::plan`].
+    pub fn plan<C: ConfigurationSpace>(
+        self,
+        checker: &mut Checker<C>,
+        ends: [&[f64]; 2],
         options: &PlanOptions,
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Plan, PlanError> {
+        checker.search(self, options, Some(progress), ends)
+    }
+}
+
+impl<C: ConfigurationSpace> Checker<C> {
+    fn search(
+        &mut self,
+        method: PlanMethod,
+        options: &PlanOptions,
+        progress: Watch<'_>,
+        [start, goal]: [&[f64]; 2],
+    ) -> Result<Plan, PlanError> {
+        let mut unwatched = |_| ControlFlow::Continue(());
+        let progress = progress.unwrap_or(&mut unwatched);
         for (q, end) in [(start, "start"), (goal, "goal")] {
             if self.is_free_at(q)? {
                 continue;
@@ -80,7 +181,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             progress,
         };
         let mut trees = TreeSearch::new(start, goal, options.seed, extent);
-        search.run(&mut trees, options)?;
+        search.run(&mut trees, method, options)?;
         let is_by_trees = trees.is_solved();
         let solved = if is_by_trees { &trees.roadmap } else { &search.roadmap };
         let found = search.path(solved);
@@ -129,12 +230,12 @@ impl<C: ConfigurationSpace> Checker<C> {
 
 impl<C: ConfigurationSpace> PathSearch<'_, C> {
     /// Makes steps of the method until there is a path or the first budget is spent.
-    fn run(&mut self, trees: &mut TreeSearch, options: &PlanOptions) -> Result<(), PlanError> {
+    fn run(&mut self, trees: &mut TreeSearch, method: PlanMethod, options: &PlanOptions) -> Result<(), PlanError> {
         if self.tried(START, GOAL)? {
             return Ok(());
         }
         while !trees.is_solved() && !self.is_over() {
-            match options.method {
+            match method {
                 PlanMethod::RrtConnect if self.work.samples < options.samples => {
                     trees.grow(self.checker, &mut self.work)?;
                 }

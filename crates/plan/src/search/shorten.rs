@@ -13,49 +13,88 @@ use lin_canny::Progress;
 /// A path: configurations that are joined by segments.
 pub type Path = Vec<Vec<f64>>;
 
-impl<C: ConfigurationSpace> Checker<C> {
-    /// Returns the length of a path, the sum of [`ConfigurationSpace::distance`].
-    pub fn path_length(&self, path: &[Vec<f64>]) -> f64 {
-        path.windows(2).map(|e| self.space.distance(&e[0], &e[1])).sum()
+/// Shortens a path by random shortcuts.
+///
+/// A shortcut joins two random points of the path by a straight segment, if this segment is
+/// proven free and keeps the margin. If every segment of the input is proven free, so is every
+/// segment of the result. A shortcut that starts inside a segment leaves a part of it; the parts
+/// in the result are proven at the end.
+pub struct Shortcuts<'a> {
+    tries: usize,
+    seed: u64,
+    progress: Option<&'a mut dyn FnMut(Progress) -> ControlFlow<()>>,
+}
+
+impl<'a> Shortcuts<'a> {
+    /// Returns so many shortcuts that are tried, from a random seed.
+    #[must_use]
+    pub fn new(tries: usize, seed: u64) -> Self {
+        let progress = None;
+        Self { tries, seed, progress }
     }
 
-    /// Shortens a path by `tries` random shortcuts.
-    ///
-    /// A shortcut joins two random points of the path by a straight segment, if this segment is
-    /// proven free and keeps the margin. If every segment of the input is proven free, so is every
-    /// segment of the result. A shortcut that starts inside a segment leaves a part of it; the parts
-    /// in the result are proven at the end.
+    /// Sets the progress callback. It receives the number of shortcuts that were tried, before each
+    /// one and between the proofs that remove configurations. If it stops the call, the result is
+    /// the path so far, with the same guarantee.
+    #[must_use]
+    pub fn progress(mut self, progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>) -> Self {
+        self.progress = Some(progress);
+        self
+    }
+
+    /// Returns the shortened path.
     ///
     /// # Errors
     /// Returns an error if a configuration is invalid.
-    pub fn shorten(&mut self, path: &[Vec<f64>], tries: usize, seed: u64) -> Result<Path, PlanError> {
-        self.shorten_with_progress(path, tries, seed, &mut |_| ControlFlow::Continue(()))
-    }
-
-    /// Shortens a path as [`shorten`](Self::shorten) does, with a progress callback.
-    ///
-    /// The callback receives the number of shortcuts that were tried, before each one and between
-    /// the proofs that remove configurations. If it stops the call, the result is the path so far,
-    /// with the same guarantee.
-    ///
-    /// # Errors
-    /// As [`shorten`](Self::shorten).
-    pub fn shorten_with_progress(
-        &mut self,
+    pub fn shorten<C: ConfigurationSpace>(
+        self,
+        checker: &mut Checker<C>,
         path: &[Vec<f64>],
-        tries: usize,
-        seed: u64,
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Path, PlanError> {
+        let Self { tries, seed, progress } = self;
+        let mut unwatched = |_| ControlFlow::Continue(());
+        let progress = progress.unwrap_or(&mut unwatched);
         let mut report = |done| progress(Progress::new("shortcuts", done, Some(tries)));
         // A part of a proven segment deviates from it by rounding, so its proof rarely fails.
-        if let Some(found) = self.shortened(path, tries, seed, Parts::ProveLast, &mut report)? {
+        if let Some(found) = checker.shortened(path, tries, seed, Parts::ProveLast, &mut report)? {
             return Ok(found);
         }
-        let found = self.shortened(path, tries, seed, Parts::ProveAtOnce, &mut report)?;
+        let found = checker.shortened(path, tries, seed, Parts::ProveAtOnce, &mut report)?;
         Ok(found.unwrap_or_else(|| path.into()))
     }
+}
 
+/// Moves the inner configurations of a path away from obstacles.
+///
+/// Each segment is first halved until none is longer than `longest`. In each of `rounds`
+/// rounds, every inner configuration moves towards larger clearance, up to `clearance`, if both
+/// adjacent segments are proven free.
+///
+/// # Errors
+/// Returns an error if a configuration is invalid or `longest` is not positive.
+pub fn widen<C: ConfigurationSpace>(
+    checker: &mut Checker<C>,
+    path: &[Vec<f64>],
+    clearance: f64,
+    longest: f64,
+    rounds: usize,
+) -> Result<Path, PlanError> {
+    if !(longest > 0.0) {
+        return Err(PlanError::Value {
+            what: "longest segment",
+            value: longest,
+        });
+    }
+    let mut path = checker.divided(path, longest);
+    for _ in 0..rounds {
+        for k in 1..path.len().saturating_sub(1) {
+            checker.push(&mut path, k, clearance, longest)?;
+        }
+    }
+    Ok(path)
+}
+
+impl<C: ConfigurationSpace> Checker<C> {
     /// Returns the shortened path; `None` if the proof of a part of a segment fails at the end.
     fn shortened(
         &mut self,
@@ -116,7 +155,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// is not longer and is proven free.
     fn is_corner_spare(&mut self, corner: &[Vec<f64>]) -> Result<bool, PlanError> {
         let (from, to) = (&corner[0], &corner[2]);
-        Ok(self.space.distance(from, to) <= self.path_length(corner) && self.is_shortcut_free(from, to)?)
+        Ok(self.space.distance(from, to) <= self.space.path_length(corner) && self.is_shortcut_free(from, to)?)
     }
 
     /// Returns whether the segment between two points of a free path is proven free.
@@ -160,30 +199,6 @@ impl<C: ConfigurationSpace> Checker<C> {
             corners.replace(i + 1..j + 1, [from, to], [at_once, true, at_once]);
         }
         Ok(())
-    }
-
-    /// Moves the inner configurations of a path away from obstacles.
-    ///
-    /// Each segment is first halved until none is longer than `longest`. In each of `rounds`
-    /// rounds, every inner configuration moves towards larger clearance, up to `clearance`, if both
-    /// adjacent segments are proven free.
-    ///
-    /// # Errors
-    /// Returns an error if a configuration is invalid or `longest` is not positive.
-    pub fn widen(&mut self, path: &[Vec<f64>], clearance: f64, longest: f64, rounds: usize) -> Result<Path, PlanError> {
-        if !(longest > 0.0) {
-            return Err(PlanError::Value {
-                what: "longest segment",
-                value: longest,
-            });
-        }
-        let mut path = self.divided(path, longest);
-        for _ in 0..rounds {
-            for k in 1..path.len().saturating_sub(1) {
-                self.push(&mut path, k, clearance, longest)?;
-            }
-        }
-        Ok(path)
     }
 
     /// Moves one configuration, and halves the displacement after each failure.

@@ -44,7 +44,7 @@ const LESS: f64 = 1.0 - 8.0 * f64::EPSILON;
 /// Greatest limit; its inverse is the least.
 const LIMIT_MAX: f64 = EXTENT_MAX * EXTENT_MAX;
 
-/// Limits and shape of a smooth motion: see [`Checker::smooth`].
+/// Limits and shape of a smooth motion: see [`Smoother`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SmoothOptions {
@@ -148,7 +148,29 @@ impl SmoothPath {
     }
 }
 
-impl<C: ConfigurationSpace> Checker<C> {
+/// Makes smooth motions along paths.
+pub struct Smoother<'a> {
+    options: SmoothOptions,
+    progress: Option<&'a mut dyn FnMut(Progress) -> ControlFlow<()>>,
+}
+
+impl<'a> Smoother<'a> {
+    /// Returns a smoother with these options.
+    #[must_use]
+    pub fn new(options: &SmoothOptions) -> Self {
+        Self {
+            options: options.clone(),
+            progress: None,
+        }
+    }
+
+    /// Sets the progress callback, which is called before each blend and each piece.
+    #[must_use]
+    pub fn progress(mut self, progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>) -> Self {
+        self.progress = Some(progress);
+        self
+    }
+
     /// Returns a smooth motion along a path, from rest to rest, proven free and within limits.
     ///
     /// Corners are rounded; velocities are continuous, and accelerations by choice. Speeds rise and
@@ -163,7 +185,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, SmoothOptions, World};
+    /// use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, SmoothOptions, Smoother, World};
     ///
     /// // A block on two rails, x and y, goes around a post.
     /// let origin = Isometry3::identity();
@@ -179,7 +201,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// let path = [[-1.0, 0.0], [-1.0, 1.0], [1.0, 1.0], [1.0, 0.0]];
     /// let path = path.map(Vec::from);
     /// let options = SmoothOptions::new([1.0, 1.0], [4.0, 4.0]);
-    /// let smooth = checker.smooth(&path, &options)?;
+    /// let smooth = Smoother::new(&options).smooth(&mut checker, &path)?;
     /// assert!(smooth.stops.is_empty());
     /// // The path has the length 4, so it takes 4 s at full speed.
     /// assert!(smooth.duration() > 4.0 && smooth.duration() < 4.5);
@@ -188,22 +210,28 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     ///
     /// # Errors
-    /// Returns an error if the path is empty or a configuration is invalid, if a limit is not
-    /// positive ([`PlanError::Limit`]), if a segment is not proven free ([`PlanError::Unproven`]),
-    /// or if a coordinate belongs to a rotation in space ([`PlanError::CurveDegree`]).
-    pub fn smooth(&mut self, path: &[Vec<f64>], options: &SmoothOptions) -> Result<SmoothPath, PlanError> {
-        let found = self.smooth_with_progress(path, options, &mut |_| ControlFlow::Continue(()))?;
-        found.ok_or(PlanError::Empty)
+    /// Returns an error in these cases:
+    ///
+    /// - The path is empty, or a configuration is invalid.
+    /// - A limit is not positive ([`PlanError::Limit`]).
+    /// - A segment is not proven free ([`PlanError::Unproven`]).
+    /// - A coordinate belongs to a rotation in space ([`PlanError::CurveDegree`]).
+    /// - The callback stops the call ([`PlanError::Stopped`]).
+    pub fn smooth<C: ConfigurationSpace>(
+        self,
+        checker: &mut Checker<C>,
+        path: &[Vec<f64>],
+    ) -> Result<SmoothPath, PlanError> {
+        let mut unwatched = |_| ControlFlow::Continue(());
+        let progress = self.progress.unwrap_or(&mut unwatched);
+        let found = checker.smoothed(path, &self.options, progress)?;
+        found.ok_or(PlanError::Stopped)
     }
+}
 
-    /// Returns a smooth motion as [`smooth`](Self::smooth) does, with a progress callback.
-    ///
-    /// The callback is called before each blend and each piece. If it stops the call, the result is
-    /// `None`.
-    ///
-    /// # Errors
-    /// Returns an error as [`smooth`](Self::smooth) does.
-    pub fn smooth_with_progress(
+impl<C: ConfigurationSpace> Checker<C> {
+    /// Returns a smooth motion; `None` if the callback stops the call.
+    fn smoothed(
         &mut self,
         path: &[Vec<f64>],
         options: &SmoothOptions,

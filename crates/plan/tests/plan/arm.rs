@@ -4,7 +4,7 @@ use cpu_time::ThreadTime;
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree, PlanOptions};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree, PlanOptions, RrtConnect, Shortcuts};
 use std::time::Duration;
 use truth::arm::{self, motion};
 
@@ -50,10 +50,9 @@ fn window(height: f64, seeds: u64) -> (u64, Duration) {
         let options = PlanOptions::default().seed(seed);
         let began = ThreadTime::now();
         let limit = Duration::from_secs(10);
-        let plan = checker
-            .plan_with_progress(&start, &goal, &options, &mut |_| {
-                Progress::stop_if(began.elapsed() > limit)
-            })
+        let plan = RrtConnect::new(&options)
+            .progress(&mut |_| Progress::stop_if(began.elapsed() > limit))
+            .plan(&mut checker, &start, &goal)
             .expect("free ends");
         let took = began.elapsed();
         longest = longest.max(took);
@@ -62,7 +61,7 @@ fn window(height: f64, seeds: u64) -> (u64, Duration) {
         solved += 1;
         assert_eq!((&path[0], &path[path.len() - 1]), (&start, &goal));
         judge(&mut checker, &path);
-        let short = checker.shorten(&path, 100, seed).expect("a path");
+        let short = Shortcuts::new(100, seed).shorten(&mut checker, &path).expect("a path");
         judge(&mut checker, &short);
     }
     (solved, longest)

@@ -5,7 +5,9 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
 use lin_canny::{Compound, Mesh, Piece, Shape, Tracker};
-use lin_canny_plan::{Checker, JointMotion, PlanError, RigidSpace, TranslationSpace, Verdict, World, WorldId};
+use lin_canny_plan::{
+    Checker, ConfigurationSpace, JointMotion, PlanError, RigidSpace, TranslationSpace, Verdict, World, WorldId,
+};
 use truth::rng::Rng;
 use truth::rooms::Room;
 
@@ -175,7 +177,7 @@ fn fixed_steps_miss_what_certificates_find() {
         }
         blocked += 1;
         for (missed, step) in missed.iter_mut().zip([0.2, 0.05]) {
-            let steps = (checker.path_length(&[p.clone(), q.clone()]) / step).ceil() as usize;
+            let steps = (checker.space().path_length(&[p.clone(), q.clone()]) / step).ceil() as usize;
             *missed += u32::from(first_contact(&robot, &room.hulls, [&from, &to], 1.0, steps).is_none());
         }
     }

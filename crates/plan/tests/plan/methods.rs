@@ -4,7 +4,8 @@ use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, EdgeKind, JointMotion, Plan, PlanMethod, PlanOptions, PlanarSpace, RigidSpace, World,
+    Checker, ConfigurationSpace, EdgeKind, JointMotion, Opportunistic, Plan, PlanMethod, PlanOptions, PlanarSpace,
+    RigidSpace, RrtConnect, Shortcuts, World,
 };
 
 /// A rectangle in the plane, and two walls with a gap in which it fits lengthwise only.
@@ -21,13 +22,17 @@ fn gap(half: f64) -> (Checker<PlanarSpace>, [[f64; 3]; 2]) {
     (checker, [[-1.5, 0.5, 1.57], [1.5, -0.5, 1.57]])
 }
 
-fn plan(half: f64, options: &PlanOptions) -> Plan {
+fn plan(half: f64, method: PlanMethod, options: &PlanOptions) -> Plan {
     let (mut checker, [start, goal]) = gap(half);
-    checker.plan(&start, &goal, options).expect("free ends")
+    let found = match method {
+        PlanMethod::RrtConnect => RrtConnect::new(options).plan(&mut checker, &start, &goal),
+        _ => Opportunistic::new(options).plan(&mut checker, &start, &goal),
+    };
+    found.expect("free ends")
 }
 
-fn options(method: PlanMethod, seed: u64) -> PlanOptions {
-    PlanOptions::default().method(method).seed(seed)
+fn options(seed: u64) -> PlanOptions {
+    PlanOptions::default().seed(seed)
 }
 
 /// The number of steps of a search.
@@ -37,11 +42,11 @@ fn steps(plan: &Plan) -> u64 {
 
 #[test]
 fn every_method_makes_paths_of_proven_segments() {
-    assert_eq!(PlanOptions::default().method, PlanMethod::RrtConnect);
+    assert_eq!(PlanMethod::default(), PlanMethod::RrtConnect);
     for method in PlanMethod::ALL {
         assert_eq!(PlanMethod::from_name(method.name()), Some(method));
         for seed in 0..4 {
-            let found = plan(0.25, &options(method, seed));
+            let found = plan(0.25, method, &options(seed));
             let path = found.path.as_ref().expect("there is a way");
             let (mut judge, [start, goal]) = gap(0.25);
             assert_eq!([&path[0], &path[path.len() - 1]], [&start.to_vec(), &goal.to_vec()]);
@@ -57,7 +62,7 @@ fn every_method_makes_paths_of_proven_segments() {
                 PlanMethod::Opportunistic => assert!(work.samples == 0 && work.extensions == [0, 0], "{work:?}"),
                 other => panic!("{other:?} has no case"),
             }
-            assert_eq!(found, plan(0.25, &options(method, seed)), "the same seed");
+            assert_eq!(found, plan(0.25, method, &options(seed)), "the same seed");
         }
     }
     assert_eq!(PlanMethod::from_name("RRT-Connect"), None);
@@ -65,7 +70,7 @@ fn every_method_makes_paths_of_proven_segments() {
 
 #[test]
 fn edges_of_the_trees_are_proven() {
-    let found = plan(0.25, &options(PlanMethod::RrtConnect, 3));
+    let found = plan(0.25, PlanMethod::RrtConnect, &options(3));
     let (mut judge, [start, goal]) = gap(0.25);
     let roadmap = &found.roadmap;
     assert_eq!([&roadmap.nodes[0][..], &roadmap.nodes[1][..]], [&start[..], &goal[..]]);
@@ -88,9 +93,11 @@ fn edges_of_the_trees_are_proven() {
 fn the_state_of_a_checker_does_not_change_the_path() {
     let (mut used, [start, goal]) = gap(0.25);
     for seed in 0..6 {
-        let options = options(PlanMethod::RrtConnect, seed);
-        let warm = used.plan(&start, &goal, &options).expect("free ends");
-        let cold = plan(0.25, &options);
+        let options = options(seed);
+        let warm = RrtConnect::new(&options)
+            .plan(&mut used, &start, &goal)
+            .expect("free ends");
+        let cold = plan(0.25, PlanMethod::RrtConnect, &options);
         assert_eq!((&warm.path, &warm.roadmap), (&cold.path, &cold.roadmap), "seed {seed}");
         assert_eq!(steps(&warm), steps(&cold), "seed {seed}");
     }
@@ -99,17 +106,17 @@ fn the_state_of_a_checker_does_not_change_the_path() {
 #[test]
 fn budgets_end_every_method() {
     // The gap is closed.
-    let closed = |options: &PlanOptions| {
-        let found = plan(0.05, options);
+    let closed = |method, options: &PlanOptions| {
+        let found = plan(0.05, method, options);
         assert_eq!(found.path, None, "{options:?}");
         found.work
     };
-    let trees = options(PlanMethod::RrtConnect, 1);
-    assert_eq!(closed(&trees.clone().samples(0)).samples, 0);
-    assert_eq!(closed(&trees.clone().samples(70)).samples, 70);
-    let work = closed(&trees.clone().unlimited().queries(2000));
+    let trees = |options: &PlanOptions| closed(PlanMethod::RrtConnect, options);
+    assert_eq!(trees(&options(1).samples(0)).samples, 0);
+    assert_eq!(trees(&options(1).samples(70)).samples, 70);
+    let work = trees(&options(1).unlimited().queries(2000));
     assert!(work.samples > 0 && work.freeways == 0, "{work:?}");
-    let work = closed(&options(PlanMethod::Opportunistic, 1).samples(0).slices(2));
+    let work = closed(PlanMethod::Opportunistic, &options(1).samples(0).slices(2));
     assert!(work.slices == 2 && work.samples == 0, "{work:?}");
 }
 
@@ -118,12 +125,13 @@ fn a_callback_stops_every_method() {
     for method in PlanMethod::ALL {
         let (mut checker, [start, goal]) = gap(0.05);
         let (mut calls, mut last) = (0, 0);
-        let endless = options(method, 2).unlimited();
-        let found = checker.plan_with_progress(&start, &goal, &endless, &mut |now| {
+        let endless = options(2).unlimited();
+        let mut stop = |now: Progress| {
             assert!(now.done >= last, "{now:?}");
             (calls, last) = (calls + 1, now.done);
             Progress::stop_if(calls == 20)
-        });
+        };
+        let found = method.plan(&mut checker, [&start, &goal], &endless, &mut stop);
         assert_eq!(found.expect("free ends").path, None, "{method:?}");
         assert_eq!(calls, 20, "{method:?}");
     }
@@ -149,8 +157,10 @@ fn a_search_without_queries_ends() {
     let space = RigidSpace::new([[-50.0, 50.0]; 3], 0.2, 1).expect("a space");
     let mut checker = Checker::new(space, world).expect("a world");
     let at = |x: f64| RigidSpace::configuration(&Isometry3::translation(x, 0.0, 0.0));
-    let trees = options(PlanMethod::RrtConnect, 1).samples(3000);
-    let found = checker.plan(&at(-3.0), &at(3.0), &trees).expect("free ends");
+    let trees = options(1).samples(3000);
+    let found = RrtConnect::new(&trees)
+        .plan(&mut checker, &at(-3.0), &at(3.0))
+        .expect("free ends");
     assert_eq!((found.path, found.work.samples), (None, 3000));
 }
 
@@ -159,11 +169,11 @@ fn a_search_without_queries_ends() {
 fn corners_are_tried_once() {
     let (mut ours, mut theirs) = (0, 0);
     for seed in 0..6 {
-        let found = plan(0.14, &options(PlanMethod::Opportunistic, seed));
+        let found = plan(0.14, PlanMethod::Opportunistic, &options(seed));
         let path = found.path.expect("there is a way");
         let (mut checker, _) = gap(0.14);
         let before = checker.work().segments;
-        let short = checker.shorten(&path, 0, 1).expect("a path");
+        let short = Shortcuts::new(0, 1).shorten(&mut checker, &path).expect("a path");
         // The passes after the random tries find nothing new.
         ours += checker.work().segments - before;
         let (mut judge, _) = gap(0.14);
@@ -172,7 +182,7 @@ fn corners_are_tried_once() {
             left = passes.len();
             let mut k = 1;
             while k + 1 < passes.len() {
-                let way = judge.path_length(&passes[k - 1..=k + 1]);
+                let way = judge.space().path_length(&passes[k - 1..=k + 1]);
                 let ends = [passes[k - 1].clone(), passes[k + 1].clone()];
                 let is_shorter = judge.space().distance(&ends[0], &ends[1]) <= way;
                 theirs += u64::from(is_shorter);

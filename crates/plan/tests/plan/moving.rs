@@ -7,8 +7,8 @@ use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, V
 use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, HalfSpace, Shape};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, PlanError, PlanOptions, TimedPoses,
-    TranslationSpace, Verdict, World, WorldId, WorldPair,
+    Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, PlanError, PlanOptions, RrtConnect,
+    TimedPoses, TranslationSpace, Verdict, World, WorldId, WorldPair,
 };
 use truth::rng::Rng;
 
@@ -437,7 +437,9 @@ fn everything_without_a_time_is_an_error() {
             Err(none())
         );
         assert_eq!(
-            checker.plan(&p, &q, &PlanOptions::default()).err(),
+            RrtConnect::new(&PlanOptions::default())
+                .plan(&mut checker, &p, &q)
+                .err(),
             Some(none()),
             "{has_time}"
         );

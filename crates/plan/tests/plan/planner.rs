@@ -6,8 +6,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Piece, Progress};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, FreewayEnd, JointMotion, PlanError, PlanMethod, PlanOptions, PlanarSpace, RigidSpace,
-    TranslationSpace, World,
+    Checker, ConfigurationSpace, FreewayEnd, JointMotion, Opportunistic, PlanError, PlanMethod, PlanOptions,
+    PlanarSpace, RigidSpace, RrtConnect, Shortcuts, TranslationSpace, World,
 };
 use std::time::Duration;
 use truth::rooms::wall;
@@ -47,11 +47,9 @@ fn passage(width: f64, method: PlanMethod, seeds: u64, limit: Duration) -> (u64,
         let (space, [start, goal]) = truth::rooms::passage();
         let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
         let began = ThreadTime::now();
-        let plan = checker
-            .plan_with_progress(&start, &goal, &options(seed).method(method), &mut |_| {
-                Progress::stop_if(began.elapsed() > limit)
-            })
-            .expect("free ends");
+        let mut stop = |_| Progress::stop_if(began.elapsed() > limit);
+        let plan = method.plan(&mut checker, [&start, &goal], &options(seed), &mut stop);
+        let plan = plan.expect("free ends");
         let took = began.elapsed();
         longest = longest.max(took);
         println!("{} width {width} seed {seed}: {took:?} {:?}", method.name(), plan.work);
@@ -65,8 +63,8 @@ fn passage(width: f64, method: PlanMethod, seeds: u64, limit: Duration) -> (u64,
                 .expect("a path")
                 .is_free()
         );
-        let short = checker.shorten(&path, 100, seed).expect("a path");
-        assert!(checker.path_length(&short) <= checker.path_length(&path) * (1.0 + 1e-12));
+        let short = Shortcuts::new(100, seed).shorten(&mut checker, &path).expect("a path");
+        assert!(checker.space().path_length(&short) <= checker.space().path_length(&path) * (1.0 + 1e-12));
         assert!(
             checker
                 .certify(&JointMotion::path(&short).expect("a motion"))
@@ -105,16 +103,21 @@ fn a_callback_follows_and_stops_the_shortening_of_a_path() {
     let robot = cuboid(0.8, 0.1, 0.1);
     let (space, [start, goal]) = truth::rooms::passage();
     let mut checker = Checker::new(space, world(&robot, &wall(0.6))).expect("a world");
-    let path = checker.plan(&start, &goal, &options(0)).expect("free ends").path;
+    let path = RrtConnect::new(&options(0))
+        .plan(&mut checker, &start, &goal)
+        .expect("free ends")
+        .path;
     let path = path.expect("a wide passage");
     checker.forget();
-    let whole = checker.shorten(&path, 60, 7).expect("a path");
+    let whole = Shortcuts::new(60, 7).shorten(&mut checker, &path).expect("a path");
     let mut reports = Vec::new();
     checker.forget();
-    let followed = checker.shorten_with_progress(&path, 60, 7, &mut |progress| {
-        reports.push(progress);
-        Progress::stop_if(false)
-    });
+    let followed = Shortcuts::new(60, 7)
+        .progress(&mut |progress| {
+            reports.push(progress);
+            Progress::stop_if(false)
+        })
+        .shorten(&mut checker, &path);
     assert_eq!(followed.expect("a path"), whole);
     assert!(
         reports
@@ -129,10 +132,12 @@ fn a_callback_follows_and_stops_the_shortening_of_a_path() {
     for stop in (0..reports.len()).step_by(8) {
         let mut calls = 0;
         checker.forget();
-        let short = checker.shorten_with_progress(&path, 60, 7, &mut |_| {
-            calls += 1;
-            Progress::stop_if(calls > stop)
-        });
+        let short = Shortcuts::new(60, 7)
+            .progress(&mut |_| {
+                calls += 1;
+                Progress::stop_if(calls > stop)
+            })
+            .shorten(&mut checker, &path);
         let short = short.expect("a path");
         assert_eq!(calls, stop + 1);
         assert!(
@@ -142,7 +147,7 @@ fn a_callback_follows_and_stops_the_shortening_of_a_path() {
                 .is_free()
         );
         assert_eq!((&short[0], &short[short.len() - 1]), (&start, &goal));
-        lengths.push(checker.path_length(&short));
+        lengths.push(checker.space().path_length(&short));
     }
     assert!(
         lengths.windows(2).all(|pair| pair[1] <= pair[0] * (1.0 + 1e-12)),
@@ -161,8 +166,9 @@ fn a_blocked_world_has_no_path() {
         for seed in 0..3 {
             let space = RigidSpace::new(bounds, 0.3, 1).expect("a space");
             let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
-            let few = options(seed).method(PlanMethod::Opportunistic).slices(12);
-            let plan = checker.plan(&at(-2.0), &at(2.0), &few).expect("free ends");
+            let plan = Opportunistic::new(&options(seed).slices(12))
+                .plan(&mut checker, &at(-2.0), &at(2.0))
+                .expect("free ends");
             assert_eq!(plan.path, None);
             assert!(plan.work.slices == 12 && plan.work.freeways > 0, "{:?}", plan.work);
         }
@@ -181,8 +187,8 @@ fn searches_repeat_and_end() {
             let turn = UnitQuaternion::from_scaled_axis(Vector3::z() * 1.5);
             RigidSpace::configuration(&Isometry3::from_parts(Vector3::new(x, y, 0.0).into(), turn))
         };
-        checker
-            .plan(&at(-1.8, -1.0), &at(1.8, 1.0), options)
+        RrtConnect::new(options)
+            .plan(&mut checker, &at(-1.8, -1.0), &at(1.8, 1.0))
             .expect("free ends")
     };
     let few = options(9).slices(3);
@@ -198,7 +204,7 @@ fn ends_in_contact_are_named() {
     let space = RigidSpace::new([[-3.0, 3.0]; 3], 0.8, 1).expect("a space");
     let mut checker = Checker::new(space, world(&robot, &wall(0.5))).expect("a world");
     let at = |x: f64| RigidSpace::configuration(&Isometry3::translation(x, 1.0, 1.0));
-    let refused = checker.plan(&at(-2.0), &at(0.5), &options(0));
+    let refused = RrtConnect::new(&options(0)).plan(&mut checker, &at(-2.0), &at(0.5));
     assert!(
         matches!(refused, Err(PlanError::Contact { end: "goal", .. })),
         "{refused:?}"
@@ -217,7 +223,9 @@ fn a_rectangle_turns_in_the_plane() {
         let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
         let mut checker = Checker::new(space, world).expect("a world");
         let (start, goal) = ([-1.5, 0.5, 1.57], [1.5, -0.5, 1.57]);
-        let plan = checker.plan(&start, &goal, &options(seed)).expect("free ends");
+        let plan = RrtConnect::new(&options(seed))
+            .plan(&mut checker, &start, &goal)
+            .expect("free ends");
         let path = plan.path.expect("there is a way");
         assert!(
             checker
@@ -251,7 +259,10 @@ fn half_turns<C: ConfigurationSpace + Clone>(space: &C) -> u32 {
         ];
         let few = options(seed).slices(20);
         // Some ends are in contact.
-        let Ok(Some(path)) = checker.plan(&start, &goal, &few).map(|plan| plan.path) else {
+        let Ok(Some(path)) = RrtConnect::new(&few)
+            .plan(&mut checker, &start, &goal)
+            .map(|plan| plan.path)
+        else {
             continue;
         };
         found += 1;
@@ -259,7 +270,7 @@ fn half_turns<C: ConfigurationSpace + Clone>(space: &C) -> u32 {
             .certify(&JointMotion::path(&path).expect("a motion"))
             .expect("a path");
         assert!(verdict.is_free(), "seed {seed}: {verdict:?} of {path:?}");
-        let short = checker.shorten(&path, 50, seed).expect("a path");
+        let short = Shortcuts::new(50, seed).shorten(&mut checker, &path).expect("a path");
         let verdict = checker
             .certify(&JointMotion::path(&short).expect("a motion"))
             .expect("a path");
@@ -353,9 +364,8 @@ fn freeways_are_local_maxima_in_their_slices() {
     all.push((cuboid(0.2, 0.6, 1.5), Isometry3::translation(0.0, 0.0, 0.0)));
     let space = TranslationSpace::new(bounds, UnitQuaternion::identity(), 1).expect("a space");
     let mut checker = Checker::new(space, world(&robot, &all)).expect("a world");
-    let freeways = options(1).method(PlanMethod::Opportunistic);
-    let plan = checker
-        .plan(&[-1.5, 0.3, 0.1], &[1.5, -0.3, 0.0], &freeways)
+    let plan = Opportunistic::new(&options(1))
+        .plan(&mut checker, &[-1.5, 0.3, 0.1], &[1.5, -0.3, 0.0])
         .expect("free ends");
     let (mut judged, mut kept) = (0, 0);
     for freeway in &plan.roadmap.freeways {
@@ -415,8 +425,8 @@ fn robots_of_several_pieces() {
     let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.6, 2).expect("a space");
     let mut checker = Checker::new(space, world).expect("a world");
     let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, 0.0));
-    let plan = checker
-        .plan(&at(-1.5, 1.0), &at(1.5, -1.0), &options(2))
+    let plan = RrtConnect::new(&options(2))
+        .plan(&mut checker, &at(-1.5, 1.0), &at(1.5, -1.0))
         .expect("free ends");
     let path = plan.path.expect("there is a way");
     assert!(

@@ -7,7 +7,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::separation::Proof;
 use lin_canny_plan::{
     Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, Path, PlanError, PlanarSpace, RigidSpace,
-    SmoothOptions, SmoothPath, TranslationSpace, World,
+    SmoothOptions, SmoothPath, Smoother, TranslationSpace, World,
 };
 use truth::arm::chain::{chain, posts};
 use truth::rng::Rng;
@@ -166,7 +166,9 @@ fn judged<C: ConfigurationSpace + Clone>(
         let options = SmoothOptions::new(limits(&mut rng, 0.3, 3.0), limits(&mut rng, 0.5, 20.0))
             .continuous_acceleration(k % 2 == 1)
             .deviation(if k % 3 == 0 { 0.05 } else { f64::INFINITY });
-        let smooth = checker.smooth(&path, &options).expect("a free path");
+        let smooth = Smoother::new(&options)
+            .smooth(&mut checker, &path)
+            .expect("a free path");
         judge(&smooth, &options);
         judge_free(&mut other, &smooth, places);
         assert!(
@@ -242,7 +244,7 @@ fn a_segment_is_a_trapezoid() {
     let mut checker = slider(1.0, 9.0, |_| {});
     for (way, expected) in [(4.0, 4.0 + 0.25), (0.25, 0.5), (0.01, 0.1)] {
         let ends = path(&[[0.0, 0.0], [way, 0.0]]);
-        let smooth = checker.smooth(&ends, &options()).expect("a motion");
+        let smooth = Smoother::new(&options()).smooth(&mut checker, &ends).expect("a motion");
         judge(&smooth, &options());
         assert!(
             (smooth.duration() / expected - 1.0).abs() < 1e-3,
@@ -252,7 +254,7 @@ fn a_segment_is_a_trapezoid() {
         assert_eq!(smooth.curves.len(), if way > 0.3 { 3 } else { 2 });
         // Speed that changes smoothly takes half as long again.
         let options = options().continuous_acceleration(true);
-        let slower = checker.smooth(&ends, &options).expect("a motion");
+        let slower = Smoother::new(&options).smooth(&mut checker, &ends).expect("a motion");
         judge(&slower, &options);
         let ratio = if way > 0.3 { (4.0 + 0.375) / 4.25 } else { 1.5f64.sqrt() };
         assert!(
@@ -269,7 +271,9 @@ fn motions_return_on_themselves() {
     for is_c2 in [false, true] {
         let options = options().continuous_acceleration(is_c2);
         let there_and_back = path(&[[0.0, 0.0], [1.0, 0.5], [0.0, 0.0], [1.0, 0.5]]);
-        let smooth = checker.smooth(&there_and_back, &options).expect("a motion");
+        let smooth = Smoother::new(&options)
+            .smooth(&mut checker, &there_and_back)
+            .expect("a motion");
         judge(&smooth, &options);
         assert!(smooth.stops.is_empty());
         // The motion stays on the line.
@@ -286,7 +290,9 @@ fn motions_return_on_themselves() {
 fn repeated_points_and_steps_of_rounding_are_left_out() {
     let mut checker = slider(1.0, 9.0, |_| {});
     let plain = path(&[[0.0, 0.0], [1.0, 0.5], [1.0, 2.0]]);
-    let smooth = checker.smooth(&plain, &options()).expect("a motion");
+    let smooth = Smoother::new(&options())
+        .smooth(&mut checker, &plain)
+        .expect("a motion");
     let tiny = 1.0 + f64::EPSILON;
     let repeated = path(&[
         [0.0, 0.0],
@@ -298,21 +304,26 @@ fn repeated_points_and_steps_of_rounding_are_left_out() {
         [1.0, 2.0],
         [1.0, 2.0],
     ]);
-    assert_eq!(checker.smooth(&repeated, &options()).expect("a motion"), smooth);
+    assert_eq!(
+        Smoother::new(&options())
+            .smooth(&mut checker, &repeated)
+            .expect("a motion"),
+        smooth
+    );
     for still in [path(&[[0.5, 0.5]]), path(&[[0.5, 0.5]; 4])] {
         for is_c2 in [false, true] {
             let options = options().continuous_acceleration(is_c2);
-            let smooth = checker.smooth(&still, &options).expect("a motion");
+            let smooth = Smoother::new(&options).smooth(&mut checker, &still).expect("a motion");
             assert_eq!((&smooth.positions[..], smooth.duration()), (&still[..1], 0.0));
             judge(&smooth, &options);
         }
     }
     // Collinear points do not stop the motion.
     let line: Path = (0..=50).map(|k| vec![0.04 * f64::from(k), 0.0]).collect();
-    let whole = checker
-        .smooth(&path(&[[0.0, 0.0], [2.0, 0.0]]), &options())
+    let whole = Smoother::new(&options())
+        .smooth(&mut checker, &path(&[[0.0, 0.0], [2.0, 0.0]]))
         .expect("a motion");
-    let parts = checker.smooth(&line, &options()).expect("a motion");
+    let parts = Smoother::new(&options()).smooth(&mut checker, &line).expect("a motion");
     judge(&parts, &options());
     assert!(
         (parts.duration() / whole.duration() - 1.0).abs() < 0.02,
@@ -340,7 +351,9 @@ fn steps_of_all_sizes_keep_the_limits() {
             _ => SmoothOptions::new(limit(1e-20, 1e20), limit(1e-20, 1e20)),
         };
         let options = options.continuous_acceleration(round % 2 == 0);
-        let smooth = checker.smooth(&path(&points), &options).expect("a motion");
+        let smooth = Smoother::new(&options)
+            .smooth(&mut checker, &path(&points))
+            .expect("a motion");
         judge(&smooth, &options);
     }
 }
@@ -394,7 +407,7 @@ fn blends_shrink_in_narrow_passages() {
         let mut checker = slider(1.0, 9.0, corridor(1.0, gap));
         for is_c2 in [false, true] {
             let options = options().continuous_acceleration(is_c2);
-            let smooth = checker.smooth(&way, &options).expect("a motion");
+            let smooth = Smoother::new(&options).smooth(&mut checker, &way).expect("a motion");
             judge(&smooth, &options);
             assert_eq!(smooth.stops, if is_stop { vec![1] } else { vec![] }, "{gap:e} {is_c2}");
             judge_free(&mut checker, &smooth, 1000);
@@ -408,7 +421,7 @@ fn blends_shrink_in_narrow_passages() {
     // A gap that is near the rounding of curves is proven, or the segment is named.
     for gap in [1e-11, 1e-12, 1e-13, 1e-15] {
         let mut checker = slider(1.0, 9.0, corridor(1.0, gap));
-        match checker.smooth(&way, &options()) {
+        match Smoother::new(&options()).smooth(&mut checker, &way) {
             Ok(smooth) => {
                 assert_eq!(smooth.stops, [1]);
                 proofs_agree(&mut checker, &smooth);
@@ -418,12 +431,14 @@ fn blends_shrink_in_narrow_passages() {
     }
     // No halving at all: the blend is free, or the motion stops.
     let mut checker = slider(1.0, 9.0, corridor(1.0, 1e-2));
-    let smooth = checker.smooth(&way, &options().halvings(0)).expect("a motion");
+    let smooth = Smoother::new(&options().halvings(0))
+        .smooth(&mut checker, &way)
+        .expect("a motion");
     assert_eq!(smooth.stops, [1]);
     // Without a gap the path touches, so it is not free.
     let mut checker = slider(1.0, 9.0, corridor(1.0, -1e-3));
     assert_eq!(
-        checker.smooth(&way, &options()),
+        Smoother::new(&options()).smooth(&mut checker, &way),
         Err(PlanError::Unproven { segment: 0 })
     );
 }
@@ -439,7 +454,7 @@ fn sizes_scale_the_motion() {
         for (is_c2, time) in [(false, 1.0), (true, 1e30), (true, 1e-30)] {
             let limits = |order: i32| [1.0, 2.0].map(|x: f64| x * scale / if order == 1 { time } else { time * time });
             let options = SmoothOptions::new(limits(1), limits(2)).continuous_acceleration(is_c2);
-            let smooth = checker.smooth(&way, &options).expect("a motion");
+            let smooth = Smoother::new(&options).smooth(&mut checker, &way).expect("a motion");
             judge(&smooth, &options);
             judge_free(&mut checker, &smooth, 300);
             counts.push((
@@ -463,7 +478,7 @@ fn angles_turn_the_shorter_way() {
     let at = |x: f64, angle: f64| vec![x, 1.9, angle];
     let path = vec![at(-1.5, 3.0), at(-0.5, -3.0), at(0.5, -1.0), at(1.5, 2.5), at(1.5, 1.0)];
     let options = SmoothOptions::new([1.0, 1.0, 2.0], [4.0; 3]);
-    let smooth = checker.smooth(&path, &options).expect("a motion");
+    let smooth = Smoother::new(&options).smooth(&mut checker, &path).expect("a motion");
     judge(&smooth, &options);
     let tau = std::f64::consts::TAU;
     // Up through half a turn to -3 and on to -1, then down to 2.5 and to 1.
@@ -487,7 +502,7 @@ fn angles_turn_the_shorter_way() {
             .collect(),
     ];
     let options = SmoothOptions::new([2.0; 6], [5.0; 6]);
-    let smooth = checker.smooth(&ends, &options).expect("a motion");
+    let smooth = Smoother::new(&options).smooth(&mut checker, &ends).expect("a motion");
     judge(&smooth, &options);
     judge_free(&mut checker, &smooth, 500);
 }
@@ -500,7 +515,7 @@ fn the_deviation_is_kept() {
     for deviation in [0.0, 1e-6, 1e-3, 0.02, f64::INFINITY] {
         for is_c2 in [false, true] {
             let options = options().deviation(deviation).continuous_acceleration(is_c2);
-            let smooth = checker.smooth(&way, &options).expect("a motion");
+            let smooth = Smoother::new(&options).smooth(&mut checker, &way).expect("a motion");
             judge(&smooth, &options);
             assert_eq!(smooth.stops, if deviation == 0.0 { vec![1, 2] } else { vec![] });
             for corner in &way[1..3] {
@@ -528,33 +543,43 @@ fn the_same_path_gives_the_same_bits() {
     let mut checker = Checker::new(arm.clone(), world.clone()).expect("a world");
     let way = random_path(&mut checker, &mut Rng::new(9), 6, 1.5);
     let options = SmoothOptions::new([1.0; 6], [5.0; 6]).continuous_acceleration(true);
-    let warm = checker.smooth(&way, &options).expect("a motion");
+    let warm = Smoother::new(&options).smooth(&mut checker, &way).expect("a motion");
     checker.forget();
-    assert_eq!(checker.smooth(&way, &options).expect("a motion"), warm);
+    assert_eq!(
+        Smoother::new(&options).smooth(&mut checker, &way).expect("a motion"),
+        warm
+    );
     let mut other = Checker::new(arm, world).expect("a world");
-    assert_eq!(other.smooth(&way, &options).expect("a motion"), warm);
+    assert_eq!(
+        Smoother::new(&options).smooth(&mut other, &way).expect("a motion"),
+        warm
+    );
 
     // The callback sees every stage, and stops it.
     let mut stages = Vec::new();
-    let found = checker.smooth_with_progress(&way, &options, &mut |progress| {
-        assert!(progress.total.is_some_and(|total| progress.done < total));
-        stages.push(progress.stage);
-        ControlFlow::Continue(())
-    });
-    assert_eq!(found.expect("a motion"), Some(warm));
+    let found = Smoother::new(&options)
+        .progress(&mut |progress| {
+            assert!(progress.total.is_some_and(|total| progress.done < total));
+            stages.push(progress.stage);
+            ControlFlow::Continue(())
+        })
+        .smooth(&mut checker, &way);
+    assert_eq!(found, Ok(warm));
     stages.dedup();
     assert_eq!(stages, ["blends", "pieces"]);
     for stop in 0..8 {
         let mut calls = 0;
-        let found = checker.smooth_with_progress(&way, &options, &mut |_| {
-            calls += 1;
-            if calls > stop {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        });
-        assert_eq!((found, calls), (Ok(None), stop + 1));
+        let found = Smoother::new(&options)
+            .progress(&mut |_| {
+                calls += 1;
+                if calls > stop {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
+            })
+            .smooth(&mut checker, &way);
+        assert_eq!((found, calls), (Err(PlanError::Stopped), stop + 1));
     }
 }
 
@@ -562,7 +587,9 @@ fn the_same_path_gives_the_same_bits() {
 fn faults_are_named() {
     let mut checker = slider(1.0, 9.0, |_| {});
     let way = path(&[[0.0, 0.0], [1.0, 0.0]]);
-    let mut fault = |path: &[Vec<f64>], options: SmoothOptions| checker.smooth(path, &options).expect_err("a fault");
+    let mut fault = |path: &[Vec<f64>], options: SmoothOptions| {
+        Smoother::new(&options).smooth(&mut checker, path).expect_err("a fault")
+    };
     assert_eq!(fault(&[], options()), PlanError::Empty);
     assert!(matches!(
         fault(&[vec![0.0, 99.0]], options()),
@@ -605,7 +632,7 @@ fn faults_are_named() {
     assert_eq!(text, "segment 3 of the path is not proven free");
     // No limit of velocity.
     let open = SmoothOptions::new([f64::INFINITY; 2], [4.0; 2]);
-    let smooth = checker.smooth(&way, &open).expect("a motion");
+    let smooth = Smoother::new(&open).smooth(&mut checker, &way).expect("a motion");
     assert!((smooth.duration() - 1.0).abs() < 1e-3, "{}", smooth.duration());
 
     let mut world = World::new();
@@ -613,7 +640,7 @@ fn faults_are_named() {
     let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.5, 1).expect("a space");
     let mut rigid = Checker::new(space, world).expect("a world");
     let at = |x: f64| vec![x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-    let error = rigid.smooth(&[at(0.0), at(1.0)], &SmoothOptions::new([1.0; 7], [1.0; 7]));
+    let error = Smoother::new(&SmoothOptions::new([1.0; 7], [1.0; 7])).smooth(&mut rigid, &[at(0.0), at(1.0)]);
     assert!(
         matches!(error, Err(PlanError::CurveDegree { coordinate: 3, .. })),
         "{error:?}"
@@ -682,7 +709,7 @@ fn blends_shrink_or_stop_among_random_posts() {
             .continuous_acceleration(round % 2 == 1)
             .halvings(rng.below(9) as u32);
         let mut checker = slider(1.0, 9.0, posted(&posts));
-        let smooth = checker.smooth(&way, &options).expect("a motion");
+        let smooth = Smoother::new(&options).smooth(&mut checker, &way).expect("a motion");
         judge(&smooth, &options);
         assert!(
             checker
@@ -691,7 +718,9 @@ fn blends_shrink_or_stop_among_random_posts() {
                 .is_free()
         );
         judge_free(&mut slider(1.0, 9.0, posted(&posts)), &smooth, 500);
-        let open = slider(1.0, 9.0, |_| {}).smooth(&way, &options).expect("a motion");
+        let open = Smoother::new(&options)
+            .smooth(&mut slider(1.0, 9.0, |_| {}), &way)
+            .expect("a motion");
         assert!(open.stops.is_empty());
         // The motion stops where it says.
         for k in &smooth.stops {
@@ -723,7 +752,7 @@ fn blends_that_barely_pass_are_proven_as_returned() {
             let middle = 0.5 * (near + far);
             let post = [0.1 - middle, 0.3 + middle];
             let mut checker = slider(1.0, 9.0, posted(&[post]));
-            let is_passed = match checker.smooth(&way, &limits) {
+            let is_passed = match Smoother::new(&limits).smooth(&mut checker, &way) {
                 Ok(smooth) => {
                     assert!(
                         checker

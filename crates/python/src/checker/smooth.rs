@@ -1,6 +1,6 @@
 //! Smooth motions along paths.
 
-use lin_canny_robot::plan::{PlanError, SmoothOptions, nearest_name};
+use lin_canny_robot::plan::{PlanError, SmoothOptions, Smoother, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory as Timed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -136,12 +136,12 @@ impl Checker {
             .deviation(deviation);
         let mut watch = Watch::new(py, progress)?;
         let found = py.detach(|| {
-            self.checker
-                .smooth_with_progress(&path, &options, &mut |now| watch.look(now))
+            Smoother::new(&options)
+                .progress(&mut |now| watch.look(now))
+                .smooth(&mut self.checker, &path)
         });
         watch.finish(py, true)?;
-        let found = found.map_err(|e| self.smooth_fault(&e))?;
-        let mut found = found.ok_or_else(|| plan_error("the call was stopped"))?;
+        let mut found = found.map_err(|e| self.smooth_fault(&e))?;
         let names = self.coordinate_list().iter().map(|c| c.name.clone()).collect();
         let stops = core::mem::take(&mut found.stops);
         Ok(Trajectory::smooth(names, Timed::from(found), stops))

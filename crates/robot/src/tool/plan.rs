@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 use lin_canny::Progress;
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, PlanMethod, PlanOptions};
+use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, PlanMethod, PlanOptions, Shortcuts};
 use lin_canny_robot::{Trajectory, csv_text};
 
 use super::end::{End, ToolError};
@@ -75,13 +75,9 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
     options.pair_boxes.set(&mut checker)?;
     let began = Instant::now();
-    let search = PlanOptions::default()
-        .method(options.method.into())
-        .seed(options.seed)
-        .unlimited();
-    let found = checker.plan_with_progress(start, goal, &search, &mut |_| {
-        Progress::stop_if(began.elapsed() > options.seconds)
-    });
+    let search = PlanOptions::default().seed(options.seed).unlimited();
+    let mut stop = |_| Progress::stop_if(began.elapsed() > options.seconds);
+    let found = PlanMethod::from(options.method).plan(&mut checker, [start, goal], &search, &mut stop);
     let found = match found {
         Err(PlanError::Contact { end, a, b }) => return Err(blocked(options, &mut checker, &rows, end, [a, b])),
         found => found?,
@@ -90,7 +86,7 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         warn!("no path found in {:.1?}; a path may exist", began.elapsed());
         return Ok(End::NoPath);
     };
-    let short = checker.shorten(&path, options.shorten, options.seed)?;
+    let short = Shortcuts::new(options.shorten, options.seed).shorten(&mut checker, &path)?;
     let text = csv_text(setup.coordinates(), &short);
     match &options.csv {
         Some(file) => write(file, &text)?,
@@ -100,8 +96,8 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     warn!(
         "a path of {} rows, length {:.3} ({:.3} before it was shortened)",
         short.len(),
-        checker.path_length(&short),
-        checker.path_length(&path)
+        checker.space().path_length(&short),
+        checker.space().path_length(&path)
     );
     Ok(End::Free)
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lin_canny::Progress;
-use lin_canny_robot::plan::{PlanError, SmoothOptions, nearest_name};
+use lin_canny_robot::plan::{PlanError, SmoothOptions, Smoother, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use super::end::{End, ToolError};
@@ -98,11 +98,13 @@ pub(super) fn run(options: &SmoothArguments) -> Result<End, ToolError> {
     let mut checker = setup.checker()?;
     checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
     let bar = progress("pieces", 0);
-    let found = checker.smooth_with_progress(&path.rows, &smooth, &mut |at| {
-        bar.set_length(at.total.unwrap_or_default() as u64);
-        bar.set_position(at.done as u64);
-        Progress::stop_if(false)
-    });
+    let found = Smoother::new(&smooth)
+        .progress(&mut |at| {
+            bar.set_length(at.total.unwrap_or_default() as u64);
+            bar.set_position(at.done as u64);
+            Progress::stop_if(false)
+        })
+        .smooth(&mut checker, &path.rows);
     bar.finish_and_clear();
     let found = match found {
         Err(PlanError::Unproven { segment }) => {
@@ -122,7 +124,6 @@ pub(super) fn run(options: &SmoothArguments) -> Result<End, ToolError> {
         }
         found => found?,
     };
-    let Some(found) = found else { return Ok(End::Unknown) };
     let (seconds, corners) = (found.duration(), path.rows.len().saturating_sub(2));
     let stops = found.stops.len();
     let trajectory = Trajectory::from(found);

@@ -10,7 +10,8 @@ use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Shape, Tracker};
 use lin_canny_plan::receipt::Receipt;
 use lin_canny_plan::{
     Certified, CertifyOptions, Checker, ClearanceWidth, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree,
-    PlanError, PlanOptions, PlanarSpace, RangeOptions, RigidSpace, SmoothOptions, TimedPoses, TranslationSpace, World,
+    PlanError, PlanOptions, PlanarSpace, RangeOptions, RigidSpace, RrtConnect, Shortcuts, SmoothOptions, Smoother,
+    TimedPoses, TranslationSpace, World, widen,
 };
 
 /// Returns the verdict with the certificates behind it.
@@ -148,14 +149,14 @@ pub(super) fn arm_plan(t: &mut Teller, r: &mut Random) {
             }
         };
         let (start, goal) = (free(), free());
-        let found = checker
-            .plan(&start, &goal, &PlanOptions::default().seed(seed))
+        let found = RrtConnect::new(&PlanOptions::default().seed(seed))
+            .plan(&mut checker, &start, &goal)
             .expect("a search");
         t.tell("plan", (&found.path, found.work));
         if let Some(path) = found.path {
             t.tell("path", checker.certify(&JointMotion::path(&path).expect("a motion")));
-            t.tell("short", checker.shorten(&path, 30, seed));
-            t.tell("widen", checker.widen(&path, 0.05, 0.5, 2));
+            t.tell("short", Shortcuts::new(30, seed).shorten(&mut checker, &path));
+            t.tell("widen", widen(&mut checker, &path, 0.05, 0.5, 2));
         }
     }
 }
@@ -216,7 +217,7 @@ pub(super) fn curves(t: &mut Teller, r: &mut Random) {
             }
         }
         let options = SmoothOptions::new(vec![1.0; 6], vec![2.0; 6]).continuous_acceleration(k % 3 == 0);
-        t.tell("smooth", checker.smooth(&q, &options));
+        t.tell("smooth", Smoother::new(&options).smooth(&mut checker, &q));
     }
     t.tell("work", checker.work());
 }

@@ -220,12 +220,11 @@ fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seed
         let fresh = || Checker::new(space.clone(), room.world()).expect("a room");
         for (method, searches) in PlanMethod::ALL.into_iter().zip(&mut searches) {
             let mut checker = fresh();
-            let options = PlanOptions::default().method(method).seed(seed);
+            let options = PlanOptions::default().seed(seed);
             let began = ThreadTime::now();
             let mut stop = |_| lin_canny::Progress::stop_if(began.elapsed() > LIMIT);
-            let plan = checker
-                .plan_with_progress(start, goal, &options, &mut stop)
-                .expect("free ends");
+            let plan = method.plan(&mut checker, [start, goal], &options, &mut stop);
+            let plan = plan.expect("free ends");
             let took = began.elapsed();
             searches.push(took, plan.path.as_deref().map(|path| (path, &mut checker)));
         }

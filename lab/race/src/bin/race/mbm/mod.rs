@@ -15,11 +15,12 @@ mod yaml;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree, PlanMethod, PlanOptions};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree, PlanMethod, PlanOptions, Shortcuts};
 use lin_canny_robot::{Cell, LoadOptions, MeshUse, Packages, Robot, Setup, Srdf};
 use race::common::Options;
 use race::progress::Progress;
@@ -170,14 +171,16 @@ impl Bench {
             length: found.map(|f| f.1),
         };
         for method in PlanMethod::ALL {
-            let (name, options) = (method.name(), PlanOptions::default().method(method));
+            let name = method.name();
             if !is_valid {
                 rows.push(row(name, None, None));
                 continue;
             }
             let mut checker = self.checker(problem)?;
             let began = ThreadTime::now();
-            let plan = checker.plan(&start, &goal, &options).map_err(|e| e.to_string())?;
+            let mut unwatched = |_| ControlFlow::Continue(());
+            let plan = method.plan(&mut checker, [&start, &goal], &PlanOptions::default(), &mut unwatched);
+            let plan = plan.map_err(|e| e.to_string())?;
             let us = began.elapsed().as_secs_f64() * 1e6;
             let Some(path) = plan.path else {
                 rows.push(row(name, None, Some(us)));
@@ -185,7 +188,9 @@ impl Bench {
             };
             rows.push(row(name, Some(self.judged(problem, &path)?), Some(us)));
             let began = ThreadTime::now();
-            let path = checker.shorten(&path, TRIES, 1).map_err(|e| e.to_string())?;
+            let path = Shortcuts::new(TRIES, 1)
+                .shorten(&mut checker, &path)
+                .map_err(|e| e.to_string())?;
             let us = us + began.elapsed().as_secs_f64() * 1e6;
             let short = format!("{name} + shorten");
             rows.push(row(&short, Some(self.judged(problem, &path)?), Some(us)));
