@@ -322,7 +322,7 @@ pub mod scene;
 pub mod surface;
 mod time;
 
-pub use base::callbacks::Progress;
+pub use base::callbacks::{Progress, WithProgress};
 pub use base::motion;
 pub use base::motion::Velocity;
 pub use base::pose::{Operand, PoseError, RelativePose, normalize_rotation};

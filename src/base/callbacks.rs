@@ -6,28 +6,7 @@ use core::fmt::Display;
 use core::ops::ControlFlow;
 
 /// The progress of a long call. The callback that receives it can stop the call by
-/// [`ControlFlow::Break`].
-///
-/// ```
-/// use core::ops::ControlFlow;
-/// use lin_canny::{ConvexPolyhedron, Progress, polyhedron::BuildError};
-/// # use lin_canny::nalgebra::Point3;
-/// # let wave = |k: i32| f64::from(k).sin();
-/// # let place = |k| Point3::new(wave(k), wave(k + 1), wave(7 * k));
-/// # let points: Vec<_> = (0..2000).map(place).collect();
-///
-/// let mut shown = 0;
-/// let mut show = |progress: Progress| {
-///     shown = progress.done; // here a bar is drawn
-///     ControlFlow::Continue(())
-/// };
-/// let body = ConvexPolyhedron::from_points_with_progress(&points, &mut show)?;
-///
-/// let mut stop = |_| ControlFlow::Break(());
-/// let stopped = ConvexPolyhedron::from_points_with_progress(&points, &mut stop);
-/// assert!(matches!(stopped, Err(BuildError::Stopped)));
-/// # Ok::<(), BuildError>(())
-/// ```
+/// [`ControlFlow::Break`]: see [`WithProgress`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Progress {
@@ -56,8 +35,46 @@ impl Progress {
     }
 }
 
-/// The callback that the caller passed.
-pub(crate) type Callback<'a> = &'a mut dyn FnMut(Progress) -> ControlFlow<()>;
+/// Long calls that report their progress to a callback, about a hundred times per stage.
+///
+/// Use them for clouds of a million points, meshes of a million triangles and grids of a million
+/// nodes. Each method returns what the function of its name returns without a callback.
+///
+/// ```
+/// use core::ops::ControlFlow;
+/// use lin_canny::{Progress, WithProgress, polyhedron::BuildError};
+/// # use lin_canny::nalgebra::Point3;
+/// # let wave = |k: i32| f64::from(k).sin();
+/// # let place = |k| Point3::new(wave(k), wave(k + 1), wave(7 * k));
+/// # let points: Vec<_> = (0..2000).map(place).collect();
+///
+/// let mut shown = 0;
+/// let mut show = |progress: Progress| {
+///     shown = progress.done; // here a bar is drawn
+///     ControlFlow::Continue(())
+/// };
+/// let body = WithProgress::new(&mut show).convex_hull(&points)?;
+///
+/// let mut stop = |_| ControlFlow::Break(());
+/// let stopped = WithProgress::new(&mut stop).convex_hull(&points);
+/// assert!(matches!(stopped, Err(BuildError::Stopped)));
+/// # Ok::<(), BuildError>(())
+/// ```
+pub struct WithProgress<'a> {
+    pub(crate) watch: Watch<'a>,
+}
+
+impl<'a> WithProgress<'a> {
+    /// Returns long calls that report to this callback.
+    #[must_use]
+    pub fn new(callback: &'a mut dyn FnMut(Progress) -> ControlFlow<()>) -> Self {
+        let watch = Watch {
+            callback: Some(callback),
+            ..Watch::none()
+        };
+        Self { watch }
+    }
+}
 
 /// The caller has stopped the call.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +85,7 @@ pub(crate) struct Stopped;
 /// After the caller has stopped the call, loops end at their next progress report, and their
 /// results are dropped at the next stage.
 pub(crate) struct Watch<'a> {
-    callback: Option<Callback<'a>>,
+    callback: Option<&'a mut dyn FnMut(Progress) -> ControlFlow<()>>,
     stage: &'static str,
     total: Option<usize>,
     /// The work at which the next report is due, and the work between two reports.
@@ -97,14 +114,6 @@ impl<'a> Watch<'a> {
             next: usize::MAX,
             every: usize::MAX,
             is_stopped: false,
-        }
-    }
-
-    /// Returns a watch that calls back.
-    pub(crate) fn new(callback: Callback<'a>) -> Self {
-        Self {
-            callback: Some(callback),
-            ..Self::none()
         }
     }
 

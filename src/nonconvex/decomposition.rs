@@ -21,10 +21,9 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::fmt;
-use core::ops::ControlFlow;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::base::callbacks::{Progress, Watch};
+use crate::base::callbacks::{Watch, WithProgress};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes, smallest};
 use crate::base::num::scalar::sqrt;
@@ -108,6 +107,22 @@ pub struct Decomposition {
     fit: DecompositionFit,
 }
 
+impl WithProgress<'_> {
+    /// Measures the gaps between a mesh and its pieces as [`Decomposition::new`] does.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Decomposition::new`], and [`MeshError::Stopped`] if the callback
+    /// stops the call.
+    pub fn decomposition(
+        mut self,
+        mesh: impl Into<Arc<Mesh>>,
+        pieces: impl Into<Arc<Compound>>,
+    ) -> Result<Decomposition, MeshError> {
+        Decomposition::measured(mesh.into(), pieces.into(), &mut self.watch)
+    }
+}
+
 impl Decomposition {
     /// Measures the gaps between a mesh and the pieces that replace it.
     ///
@@ -119,22 +134,6 @@ impl Decomposition {
     /// Returns [`MeshError::Curved`] if a piece is rounded or curved.
     pub fn new(mesh: impl Into<Arc<Mesh>>, pieces: impl Into<Arc<Compound>>) -> Result<Self, MeshError> {
         Self::measured(mesh.into(), pieces.into(), &mut Watch::none())
-    }
-
-    /// Measures like [`new`](Self::new) and reports its progress to the caller.
-    ///
-    /// Use it for meshes of about 100,000 triangles or more.
-    ///
-    /// # Errors
-    ///
-    /// Returns the errors of [`new`](Self::new), and [`MeshError::Stopped`] if the caller stops the
-    /// call.
-    pub fn new_with_progress(
-        mesh: impl Into<Arc<Mesh>>,
-        pieces: impl Into<Arc<Compound>>,
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-    ) -> Result<Self, MeshError> {
-        Self::measured(mesh.into(), pieces.into(), &mut Watch::new(progress))
     }
 
     fn measured(mesh: Arc<Mesh>, pieces: Arc<Compound>, watch: &mut Watch<'_>) -> Result<Self, MeshError> {

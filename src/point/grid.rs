@@ -1,12 +1,11 @@
 //! Signed distances at the nodes of a grid, with a proven error of the interpolation.
 
 use alloc::vec::Vec;
-use core::ops::ControlFlow;
 
 use nalgebra::{Point3, Vector3};
 
 use super::{PointError, PointQuery, PointRoom, check};
-use crate::base::callbacks::{Progress, Watch};
+use crate::base::callbacks::{Watch, WithProgress};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::POINT_HEIGHT;
@@ -195,6 +194,24 @@ impl DistanceGrid {
     }
 }
 
+impl WithProgress<'_> {
+    /// Returns the grid of [`PointQuery::signed_distance_grid`]. Progress is in nodes.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`PointQuery::signed_distance_grid`], and [`PointError::Stopped`] if
+    /// the callback stops the call.
+    pub fn signed_distance_grid(
+        mut self,
+        query: &PointQuery<'_>,
+        low: Point3<f64>,
+        high: Point3<f64>,
+        cells: [usize; 3],
+    ) -> Result<DistanceGrid, PointError> {
+        query.grid(low, high, cells, &mut self.watch)
+    }
+}
+
 impl PointQuery<'_> {
     /// Returns the signed distances at the nodes of a grid between two corners.
     ///
@@ -230,37 +247,6 @@ impl PointQuery<'_> {
         cells: [usize; 3],
     ) -> Result<DistanceGrid, PointError> {
         self.grid(low, high, cells, &mut Watch::none())
-    }
-
-    /// Returns the grid of [`signed_distance_grid`](Self::signed_distance_grid) and reports
-    /// progress, in nodes. Use it for grids of a million nodes.
-    ///
-    /// ```
-    /// use core::ops::ControlFlow;
-    /// use lin_canny::nalgebra::Point3;
-    /// use lin_canny::{PointError, PointQuery, Shape};
-    ///
-    /// let ball = Shape::ball(1.0)?;
-    /// let [low, high] = [-2.0, 2.0].map(|x| Point3::new(x, x, x));
-    /// let mut stop = |_| ControlFlow::Break(());
-    /// let stopped = PointQuery::new(&ball)
-    ///     .signed_distance_grid_with_progress(low, high, [16; 3], &mut stop);
-    /// assert!(matches!(stopped, Err(PointError::Stopped)));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// Returns the errors of [`signed_distance_grid`](Self::signed_distance_grid), and
-    /// [`PointError::Stopped`] if the callback stops the call.
-    pub fn signed_distance_grid_with_progress(
-        &self,
-        low: Point3<f64>,
-        high: Point3<f64>,
-        cells: [usize; 3],
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-    ) -> Result<DistanceGrid, PointError> {
-        self.grid(low, high, cells, &mut Watch::new(progress))
     }
 
     fn grid(

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use lin_canny::nalgebra::Point3;
 use lin_canny::polyhedron::BuildError;
-use lin_canny::{Compound, ConvexPolyhedron, Decomposition, Mesh, MeshError, Piece, Progress};
+use lin_canny::{Compound, ConvexPolyhedron, Decomposition, Mesh, MeshError, Piece, Progress, WithProgress};
 use truth::rng::Rng;
 use truth::soups;
 
@@ -57,7 +57,7 @@ fn a_hull_says_how_far_it_is() {
         [cloud(3000), vec![Point3::origin(); 900]].concat(),
     ] {
         let stages = noted(|callback| {
-            let told = ConvexPolyhedron::from_points_with_progress(&points, callback).expect("a hull");
+            let told = WithProgress::new(callback).convex_hull(&points).expect("a hull");
             let plain = ConvexPolyhedron::from_points(&points).expect("a hull");
             assert!(told.vertex_points().eq(plain.vertex_points()));
         });
@@ -65,7 +65,7 @@ fn a_hull_says_how_far_it_is() {
     }
     let points = cloud(400);
     let words = stopped(|callback| {
-        let found = ConvexPolyhedron::from_points_with_progress(&points, callback);
+        let found = WithProgress::new(callback).convex_hull(&points);
         assert!(found.is_ok() || matches!(found, Err(BuildError::Stopped)));
         found.is_err()
     });
@@ -78,13 +78,15 @@ fn a_mesh_says_how_far_it_is() {
     let points: Vec<_> = ring.points.iter().map(|p| Point3::from(*p)).collect();
     let plain = Mesh::new(&points, &ring.triangles).expect("a mesh");
     let stages = noted(|callback| {
-        let told = Mesh::new_with_progress(&points, &ring.triangles, callback).expect("a mesh");
+        let told = WithProgress::new(callback)
+            .mesh(&points, &ring.triangles)
+            .expect("a mesh");
         assert_eq!(told.report(), plain.report());
         assert_eq!(told.inspect(10), plain.inspect(10));
     });
     assert_eq!(stages, ["weld", "edges", "tree", "boxes"]);
     let words = stopped(|callback| {
-        let found = Mesh::new_with_progress(&points, &ring.triangles, callback);
+        let found = WithProgress::new(callback).mesh(&points, &ring.triangles);
         assert!(found.is_ok() || matches!(found, Err(MeshError::Stopped)));
         found.is_err()
     });
@@ -96,9 +98,9 @@ fn an_inspection_that_is_stopped_is_not_complete() {
     let ring = soups::torus(200, 100, 0.3);
     let points: Vec<_> = ring.points.iter().map(|p| Point3::from(*p)).collect();
     let mesh = Mesh::new(&points, &ring.triangles).expect("a mesh");
-    let stages = noted(|callback| assert_eq!(mesh.inspect_with_progress(10, callback), mesh.inspect(10)));
+    let stages = noted(|callback| assert_eq!(WithProgress::new(callback).inspect(&mesh, 10), mesh.inspect(10)));
     assert_eq!(stages, ["crossings", "parts in parts"]);
-    let words = stopped(|callback| !mesh.inspect_with_progress(10, callback).is_complete);
+    let words = stopped(|callback| !WithProgress::new(callback).inspect(&mesh, 10).is_complete);
     assert!(words > 3, "{words}");
 }
 
@@ -110,12 +112,14 @@ fn a_decomposition_says_how_far_it_is() {
     let pieces = || Compound::new(vec![Piece::new(mesh.hull().expect("a hull"))]).expect("pieces");
     let plain = Decomposition::new(mesh.clone(), pieces()).expect("pieces of a mesh");
     let stages = noted(|callback| {
-        let told = Decomposition::new_with_progress(mesh.clone(), pieces(), callback).expect("pieces of a mesh");
+        let told = WithProgress::new(callback)
+            .decomposition(mesh.clone(), pieces())
+            .expect("pieces of a mesh");
         assert_eq!(told.fit(), plain.fit());
     });
     assert_eq!(stages, ["excess", "shortfall"]);
     let words = stopped(|callback| {
-        let found = Decomposition::new_with_progress(mesh.clone(), pieces(), callback);
+        let found = WithProgress::new(callback).decomposition(mesh.clone(), pieces());
         assert!(found.is_ok() || matches!(found, Err(MeshError::Stopped)));
         found.is_err()
     });

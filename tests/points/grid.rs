@@ -7,7 +7,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
     Cloud, CloudElement, Compound, ConvexPolyhedron, DistanceGrid, Geometry, HalfSpace, Mesh, Piece, PointError,
-    PointQuery, Progress, Shape,
+    PointQuery, Progress, Shape, WithProgress,
 };
 use truth::rng::Rng;
 
@@ -221,7 +221,7 @@ fn progress_is_reported_and_stops_a_grid() {
             told.push(progress);
             Progress::stop_if(told.len() > end)
         };
-        let grid = query.signed_distance_grid_with_progress(low, high, [31, 29, 27], &mut stop);
+        let grid = WithProgress::new(&mut stop).signed_distance_grid(&query, low, high, [31, 29, 27]);
         (grid, told)
     };
     let (grid, told) = ask(usize::MAX);
@@ -241,7 +241,7 @@ fn progress_is_reported_and_stops_a_grid() {
     }
     // A wrong grid is an error before anything is reported.
     let mut fail = |_| -> ControlFlow<()> { panic!("a report") };
-    let wrong = query.signed_distance_grid_with_progress(low, high, [0; 3], &mut fail);
+    let wrong = WithProgress::new(&mut fail).signed_distance_grid(&query, low, high, [0; 3]);
     assert!(matches!(wrong, Err(PointError::Grid { .. })));
 }
 

@@ -7,6 +7,7 @@ use lin_canny::polyhedron::BoxHint;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
     Cloud, CloudElement, Compound, ConvexPolyhedron, Geometry, GeometryKind, HalfSpace, Mesh, MeshKind, Piece, Shape,
+    WithProgress,
 };
 
 use crate::border::{Status, bad_argument, error, guarded, lc_status, refused};
@@ -123,7 +124,7 @@ pub unsafe extern "C" fn lc_hull_new(
         let out = unsafe { Place::new(out, "out") }?;
         // SAFETY: by the caller's contract.
         let mut reporter = unsafe { Reporter::new(progress, context) };
-        let hull = ConvexPolyhedron::from_points_with_progress(&points(xyz), &mut |p| reporter.report(p));
+        let hull = WithProgress::new(&mut |p| reporter.report(p)).convex_hull(&points(xyz));
         reporter.finish()?;
         give(out, hull.map_err(refused)?)
     })
@@ -316,7 +317,7 @@ pub unsafe extern "C" fn lc_mesh_new(
         // SAFETY: by the caller's contract.
         let mut reporter = unsafe { Reporter::new(progress, context) };
         let triangles = self::triangles(indices);
-        let mesh = Mesh::new_with_progress(&points(xyz), triangles, &mut |p| reporter.report(p));
+        let mesh = WithProgress::new(&mut |p| reporter.report(p)).mesh(&points(xyz), triangles);
         reporter.finish()?;
         give(out, mesh.map_err(refused)?)
     })

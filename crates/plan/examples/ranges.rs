@@ -9,7 +9,7 @@ use std::error::Error;
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, ClearanceWidth, Joint, JointTree, RangeOptions, World, WorldId};
+use lin_canny_plan::{Checker, ClearanceWidth, Joint, JointTree, RangeOptions, RangeProver, World, WorldId};
 
 fn main() -> Result<(), Box<dyn Error>> {
     truth::command::no_options("How many cells prove the least clearance of an arm and a wall");
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 .width(ClearanceWidth::Length(width));
             let (low, high) = (vec![-1.0; joints], vec![1.0; joints]);
             let (link, wall) = (WorldId::Robot(0), WorldId::Obstacle(0));
-            let answer = checker.prove_pair(link, wall, &low, &high, &options)?;
+            let answer = RangeProver::new(&options).pair(&mut checker, link, wall, &low, &high)?;
             let (cells, lower, upper) = (answer.cells, answer.lower, answer.upper);
             println!("{joints:6} {width:10.0e} {cells:10}   {lower:.8} to {upper:.8}");
         }

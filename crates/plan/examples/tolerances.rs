@@ -1,7 +1,7 @@
 //! The least clearance of an arm and a fixture over all motions and all tolerances.
 //!
 //! Three tolerances are joints with a small range: the error of a joint (calibration), the position of the fixture, and the
-//! position of the part in the gripper. `prove_pair` proves the clearance over the box of all of them, and bisection finds the greatest
+//! position of the part in the gripper. `RangeProver` proves the clearance over the box of all of them, and bisection finds the greatest
 //! tolerance at which arm and fixture never meet.
 //!
 //! Run with `cargo run --release -p lin-canny-plan --example tolerances`.
@@ -11,7 +11,8 @@ use std::error::Error;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, ClearanceWidth, Drive, JointKind, JointTree, RangeOptions, RangeVerdict, TreeJoint, World, WorldId,
+    Checker, ClearanceWidth, Drive, JointKind, JointTree, RangeOptions, RangeProver, RangeVerdict, TreeJoint, World,
+    WorldId,
 };
 
 /// The ranges of the two turns of the arm.
@@ -44,7 +45,7 @@ fn proved(checker: &mut Checker<JointTree>, tolerance: f64) -> Result<(&'static 
     let (low, high) = ([first[0], second[0], -t, -t, -t], [first[1], second[1], t, t, t]);
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-5));
     let (part, fixture) = (WorldId::Robot(0), WorldId::Robot(1));
-    let answer = checker.prove_pair(part, fixture, &low, &high, &options)?;
+    let answer = RangeProver::new(&options).pair(checker, part, fixture, &low, &high)?;
     let verdict = match answer.verdict {
         RangeVerdict::Never => "never",
         RangeVerdict::Both { .. } => "both",

@@ -49,7 +49,7 @@
 //! | Is a configuration free? | [`Checker::is_free_at`] | `true` or `false`, without distances |
 //! | How large is the clearance at a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witness points, gradient |
 //! | And at many configurations? | [`Checker::nearest_batch`] | the same as arrays; see the chapter [`gradients`] |
-//! | Can two bodies meet at any configuration of a range? | [`Checker::prove_pair`], [`prove_range`](Checker::prove_range) | [`RangeVerdict`]: never, always, both, or open |
+//! | Can two bodies meet at any configuration of a range? | [`RangeProver`] | [`RangeVerdict`]: never, always, both, or open |
 //! | Which pairs are in contact? | [`Checker::in_contact`] | pairs |
 //!
 //! # A world that changes
@@ -212,7 +212,7 @@ pub use motion::tree_motion::TreeSegment;
 pub use motion::tube::JointTube;
 pub use names::{Select, WorldId, WorldPair, nearest_name};
 pub use range::pair_boxes::PairBoxes;
-pub use range::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
+pub use range::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeProver, RangeVerdict};
 pub use search::freeway::FreewayEnd;
 pub use search::options::{Plan, PlanMethod, PlanOptions, PlanWork};
 pub use search::plan::{Opportunistic, RrtConnect};

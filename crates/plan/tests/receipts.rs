@@ -9,7 +9,7 @@ use lin_canny::{ContactState, Geometry, HalfSpace, PairTracker, RelativePose, Sh
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
     Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, PlanarSpace, RangeOptions,
-    RigidSpace, TranslationSpace, TreeJoint, Verdict, World, WorldId,
+    RangeProver, RigidSpace, TranslationSpace, TreeJoint, Verdict, World, WorldId,
 };
 use lin_canny_verify::verify;
 use truth::arm::{self, motion};
@@ -254,7 +254,9 @@ fn ranges_of_an_arm_have_receipts() {
         let q = motion::carry(rng.uniform());
         let [low, high] = range_around(&q, &checker, [0.03, 0.15, 0.4][k % 3]);
         let options = RangeOptions::default().cells(2000);
-        let answers = checker.prove_range(&low, &high, &options).expect("a range");
+        let answers = RangeProver::new(&options)
+            .all_pairs(&mut checker, &low, &high)
+            .expect("a range");
         let never = answers.iter().filter(|answer| answer.is_never()).count();
         let receipt = Receipt::range(&checker, &answers, 4000).expect("a receipt");
         let [text, said] = holds(&receipt);

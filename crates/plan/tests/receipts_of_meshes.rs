@@ -6,7 +6,9 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ContactState, Geometry, Mesh, Outcome, PairTracker, Piece, RelativePose, Shape, Velocity};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
-use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, RangeOptions, TranslationSpace, Verdict, World};
+use lin_canny_plan::{
+    Checker, Joint, JointMotion, JointTree, RangeOptions, RangeProver, TranslationSpace, Verdict, World,
+};
 use lin_canny_verify::verify;
 use truth::casts::aimed;
 use truth::rng::Rng;
@@ -353,8 +355,8 @@ fn ranges_of_meshes_and_compounds_have_receipts() {
             // In the hole, and from above it through the hole.
             for (low, inside) in [([-0.2, -1.0], true), ([-2.0, -0.5], false)] {
                 let high = [0.2, 0.5];
-                let answers = checker
-                    .prove_range(&low, &high, &RangeOptions::default())
+                let answers = RangeProver::new(&RangeOptions::default())
+                    .all_pairs(&mut checker, &low, &high)
                     .expect("a range");
                 assert!(answers[0].is_never(), "{:?}", answers[0]);
                 let receipt = Receipt::range(&checker, &answers, 20_000).expect("a receipt");

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use lin_canny::Progress;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, JointTree, PlanError, RangeAnswer, RangeOptions, RangeVerdict, WorldId, WorldPair,
-    nearest_name,
+    Checker, ConfigurationSpace, JointTree, PlanError, RangeAnswer, RangeOptions, RangeProver, RangeVerdict, WorldId,
+    WorldPair, nearest_name,
 };
 
 use crate::srdf::{ExcludedPair, Srdf};
@@ -122,9 +122,10 @@ pub fn audit(
                 is_stopped = is_stopped || progress(now).is_break();
                 Progress::stop_if(is_stopped)
             };
+            let prover = RangeProver::new(&round).progress(&mut watch);
             *answer = Some(match answer.take() {
-                Some(answer) => checker.resume_range(&answer, &round, &mut watch)?,
-                None => checker.prove_pair_with_progress(pair.a, pair.b, &low, &high, &round, &mut watch)?,
+                Some(answer) => prover.resume(checker, &answer)?,
+                None => prover.pair(checker, pair.a, pair.b, &low, &high)?,
             });
             *time += began.elapsed();
         }
@@ -157,7 +158,7 @@ pub fn audit(
 /// apart. Two links never meet if they never do in any cell, and always if they do in every cell.
 ///
 /// # Errors
-/// Returns an error if a name does not exist, or as [`Checker::prove_pair`] does.
+/// Returns an error if a name does not exist, or as [`RangeProver::pair`] does.
 pub fn audit_pair(
     checker: &mut Checker<JointTree>,
     names: [&str; 2],
@@ -183,7 +184,7 @@ pub fn audit_pair(
     let mut found = LinkAudit::new(names.map(str::to_owned));
     for (x, y) in a.iter().flat_map(|x| b.iter().map(move |y| (*x, *y))) {
         let began = Instant::now();
-        let answer = checker.prove_pair(x, y, low, high, options)?;
+        let answer = RangeProver::new(options).pair(checker, x, y, low, high)?;
         found.add(answer, began.elapsed());
     }
     Ok(found)

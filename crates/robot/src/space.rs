@@ -1,5 +1,6 @@
 //! Setups: robots in a cell as one configuration space and one world.
 
+use core::ops::ControlFlow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
 
@@ -498,20 +499,22 @@ impl Setup {
     }
 
     /// Searches for boxes of joint values in which pairs of links are proven apart, for all checkers
-    /// from now on: see [`Checker::pair_boxes`]. Copies of this setup that are made afterwards have
+    /// from now on: see [`PairBoxes::search`]. Copies of this setup that are made afterwards have
     /// them too, until something about the robots changes.
     ///
     /// `boxes` is the largest number of boxes of a pair. A second call changes nothing.
     ///
     /// # Errors
-    /// Returns an error as [`checker`](Self::checker) and [`Checker::pair_boxes`] do.
+    /// Returns an error as [`checker`](Self::checker) and [`PairBoxes::search`] do.
     pub fn prepare_pairs(&self, boxes: u64) -> Result<&PairBoxes, PlanError> {
         let world = self.checker()?.world().without_obstacles();
         let shared = self.robot_part()?;
         if let Some(known) = shared.pair_boxes.get() {
             return Ok(known);
         }
-        let found = Checker::new(shared.space.clone(), world)?.pair_boxes(boxes)?;
+        let found = PairBoxes::search(&mut Checker::new(shared.space.clone(), world)?, boxes, &mut |_| {
+            ControlFlow::Continue(())
+        })?;
         Ok(shared.pair_boxes.get_or_init(|| found))
     }
 

@@ -5,14 +5,13 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::ops::ControlFlow;
 use nalgebra::{Point3, Vector3};
 
 use super::edges::{self, Edges};
 use super::vertices::Stiff;
 use super::{Mesh, MeshError, MeshKind, MeshReport};
 use crate::base::callbacks;
-use crate::base::callbacks::{Progress, Stopped, Watch};
+use crate::base::callbacks::{Stopped, Watch, WithProgress};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Extremes, largest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
@@ -22,6 +21,18 @@ use crate::base::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONE
 use crate::body::polyhedron::{ConvexPolyhedron, bounding_box, exponent_of, far_origin, power_of_two};
 use crate::nonconvex::tree::{LEAF, Tree};
 use crate::pair::transform::StoredFrame;
+
+impl WithProgress<'_> {
+    /// Builds a mesh as [`Mesh::new`] does.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`Mesh::new`], and [`MeshError::Stopped`] if the callback stops the
+    /// call.
+    pub fn mesh(mut self, points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Mesh, MeshError> {
+        Mesh::built(points, triangles, &mut self.watch)
+    }
+}
 
 impl Mesh {
     /// Builds a mesh from points and triangles.
@@ -46,22 +57,6 @@ impl Mesh {
     /// - The extent is outside 1e-100..1e100, or a coordinate of a used point exceeds 1e116.
     pub fn new(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
         Self::built(points, triangles, &mut Watch::none())
-    }
-
-    /// Builds a mesh like [`new`](Self::new) and reports its progress to the caller.
-    ///
-    /// Use it for large meshes, such as terrains of a million triangles.
-    ///
-    /// # Errors
-    ///
-    /// Returns the errors of [`new`](Self::new), and [`MeshError::Stopped`] if the caller stops the
-    /// build.
-    pub fn new_with_progress(
-        points: &[Point3<f64>],
-        triangles: &[[u32; 3]],
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-    ) -> Result<Self, MeshError> {
-        Self::built(points, triangles, &mut Watch::new(progress))
     }
 
     fn built(points: &[Point3<f64>], triangles: &[[u32; 3]], watch: &mut Watch<'_>) -> Result<Self, MeshError> {

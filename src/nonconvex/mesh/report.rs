@@ -12,11 +12,10 @@
 
 use alloc::vec::Vec;
 use core::fmt;
-use core::ops::ControlFlow;
 use nalgebra::{Isometry3, Vector3};
 
 use super::Mesh;
-use crate::base::callbacks::{Progress, Stopped, Watch};
+use crate::base::callbacks::{Stopped, Watch, WithProgress};
 use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
@@ -351,6 +350,17 @@ pub struct MeshInspection {
     pub inner_parts: Vec<(u32, i32)>,
 }
 
+impl WithProgress<'_> {
+    /// Inspects a mesh as [`Mesh::inspect`] does.
+    ///
+    /// If the callback stops the call, the result has what was found until then, and `is_complete`
+    /// is false.
+    #[must_use]
+    pub fn inspect(mut self, mesh: &Mesh, most: usize) -> MeshInspection {
+        mesh.inspect_watched(most, &mut self.watch)
+    }
+}
+
 impl Mesh {
     /// Finds triangles that cross or cancel, and components inside others.
     ///
@@ -360,18 +370,6 @@ impl Mesh {
     #[must_use]
     pub fn inspect(&self, most: usize) -> MeshInspection {
         self.inspect_watched(most, &mut Watch::none())
-    }
-
-    /// Inspects the mesh like [`inspect`](Self::inspect) and reports progress to the caller.
-    ///
-    /// If the caller stops it, the call returns what it has found, and `is_complete` is false.
-    #[must_use]
-    pub fn inspect_with_progress(
-        &self,
-        most: usize,
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-    ) -> MeshInspection {
-        self.inspect_watched(most, &mut Watch::new(progress))
     }
 
     fn inspect_watched(&self, most: usize, watch: &mut Watch<'_>) -> MeshInspection {

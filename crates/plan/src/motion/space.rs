@@ -113,10 +113,9 @@ pub trait ConfigurationSpace {
     /// Returns the joints that move a body, from the world to the body; `None` if the space does not
     /// move its bodies by joints.
     ///
-    /// [`Checker::prove_pair`](crate::Checker::prove_pair) and
-    /// [`Checker::pair_boxes`](crate::Checker::pair_boxes) need them. In a space with joints and with
-    /// bounds for all coordinates, segments must be straight in the coordinates. By default there are
-    /// none.
+    /// [`RangeProver`](crate::RangeProver) and [`PairBoxes`](crate::PairBoxes) need them. In a space
+    /// with joints and with bounds for all coordinates, segments must be straight in the
+    /// coordinates. By default there are none.
     fn joint_path(&self, _body: usize) -> Option<JointPath> {
         None
     }

@@ -58,18 +58,44 @@ pub(crate) use prover::PairProver;
 pub(crate) use search::BoxProof;
 pub use verdict::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeVerdict};
 
-impl<C: ConfigurationSpace> Checker<C> {
+/// Proves whether bodies can meet at any configuration of a range.
+///
+/// A range is a box of configurations: `low` and `high` hold the least and the greatest value of
+/// each coordinate.
+pub struct RangeProver<'a> {
+    options: RangeOptions,
+    progress: Option<&'a mut dyn FnMut(Progress) -> ControlFlow<()>>,
+}
+
+impl<'a> RangeProver<'a> {
+    /// Returns a prover with these options.
+    #[must_use]
+    pub fn new(options: &RangeOptions) -> Self {
+        Self {
+            options: *options,
+            progress: None,
+        }
+    }
+
+    /// Sets the progress callback, which receives the number of cells of the pair at hand, after
+    /// each cell. If it stops the proof, answers are open, and can be resumed.
+    #[must_use]
+    pub fn progress(mut self, progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>) -> Self {
+        self.progress = Some(progress);
+        self
+    }
+
     /// Returns whether two bodies can meet at any configuration of a range, with proof.
     ///
-    /// `low` and `high` hold the least and the greatest value of each coordinate. Coordinates that
-    /// do not move the bodies against each other do not matter. Excluded pairs are answered too.
-    /// See [`RangeVerdict`] for the four verdicts, and [`resume_range`](Self::resume_range) for an
-    /// answer that is open.
+    /// Coordinates that do not move the bodies against each other do not matter. Excluded pairs are
+    /// answered too.
+    /// See [`RangeVerdict`] for the four verdicts, and [`resume`](Self::resume) for an answer that is
+    /// open.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
-    /// use lin_canny_plan::{Checker, Joint, RangeOptions, RangeVerdict, JointTree, World};
+    /// use lin_canny_plan::{Checker, Joint, JointTree, RangeOptions, RangeProver, RangeVerdict, World};
     ///
     /// // Two links in the plane, each one long, and a post.
     /// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
@@ -84,9 +110,10 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// let mut checker = Checker::new(arm, world)?;
     /// let options = RangeOptions::default();
-    /// let all = checker.prove_pair(rod, post, &[-3.0; 2], &[3.0; 2], &options)?;
+    /// let all = RangeProver::new(&options).pair(&mut checker, rod, post, &[-3.0; 2], &[3.0; 2])?;
     /// assert!(matches!(all.verdict, RangeVerdict::Both { .. }));
-    /// let aside = checker.prove_pair(rod, post, &[1.0, -1.0], &[2.0, 1.0], &options)?;
+    /// let [low, high] = [[1.0, -1.0], [2.0, 1.0]];
+    /// let aside = RangeProver::new(&options).pair(&mut checker, rod, post, &low, &high)?;
     /// assert!(aside.is_never() && aside.lower > 0.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -97,7 +124,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
     /// # use lin_canny_plan::{Checker, ClearanceWidth, Drive, JointKind, JointTree};
-    /// # use lin_canny_plan::{RangeOptions, TreeJoint, World};
+    /// # use lin_canny_plan::{RangeOptions, RangeProver, TreeJoint, World};
     /// let slide = |parent, axis| TreeJoint {
     ///     parent,
     ///     kind: JointKind::Prismatic,
@@ -117,12 +144,13 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// let mut checker = Checker::new(tree, world)?;
     /// let options = RangeOptions::default().width(ClearanceWidth::Length(1e-6));
-    /// let found = checker.prove_pair(peg, wall, &[0.0, -0.02], &[1.0, 0.02], &options)?;
+    /// let [low, high] = [[0.0, -0.02], [1.0, 0.02]];
+    /// let found = RangeProver::new(&options).pair(&mut checker, peg, wall, &low, &high)?;
     /// assert!((found.lower - 0.03).abs() < 1e-6);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
-    /// Obstacles that move are at their poses at the time of [`set_time`](Self::set_time).
+    /// Obstacles that move are at their poses at the time of [`Checker::set_time`].
     ///
     /// Planes are proven for prisms and pyramids with 32 sides around cylinders and cones, whose
     /// radius is up to 0.5 % larger, and for boxes around ellipsoids, clouds and
@@ -135,81 +163,48 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// coordinate; if a body does not exist, or both are obstacles; if an obstacle moves and no time
     /// is set; or if the space does not move a body by joints
     /// ([`ConfigurationSpace::joint_path`]).
-    pub fn prove_pair(
-        &mut self,
+    pub fn pair<C: ConfigurationSpace>(
+        self,
+        checker: &mut Checker<C>,
         a: WorldId,
         b: WorldId,
         low: &[f64],
         high: &[f64],
-        options: &RangeOptions,
     ) -> Result<RangeAnswer, PlanError> {
-        self.prove_pair_with_progress(a, b, low, high, options, &mut |_| ControlFlow::Continue(()))
-    }
-
-    /// Returns the answer as [`prove_pair`](Self::prove_pair) does, with a progress callback.
-    ///
-    /// The callback receives the number of cells, after each. If it stops the search, the answer is
-    /// open and can be resumed.
-    ///
-    /// # Errors
-    /// As [`prove_pair`](Self::prove_pair).
-    pub fn prove_pair_with_progress(
-        &mut self,
-        a: WorldId,
-        b: WorldId,
-        low: &[f64],
-        high: &[f64],
-        options: &RangeOptions,
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-    ) -> Result<RangeAnswer, PlanError> {
-        self.check_range(low, high)?;
+        checker.check_range(low, high)?;
         let pair = WorldPair::new(a, b).ok_or(PlanError::NoBody(b))?;
         let range = low.iter().zip(high).map(|(low, high)| [*low, *high]).collect();
-        let answer = RangeAnswer::new(pair, range);
-        self.proved(answer, options, progress)
+        self.proved(checker, RangeAnswer::new(pair, range))
     }
 
     /// Returns the answers about all pairs that are measured, in ascending order: see
-    /// [`prove_pair`](Self::prove_pair).
+    /// [`pair`](Self::pair).
+    ///
+    /// If the callback stops the proof, the pair at hand and all later ones are open.
     ///
     /// # Errors
-    /// As [`prove_pair`](Self::prove_pair).
-    pub fn prove_range(
-        &mut self,
+    /// As [`pair`](Self::pair).
+    pub fn all_pairs<C: ConfigurationSpace>(
+        self,
+        checker: &mut Checker<C>,
         low: &[f64],
         high: &[f64],
-        options: &RangeOptions,
     ) -> Result<Vec<RangeAnswer>, PlanError> {
-        self.prove_range_with_progress(low, high, options, &mut |_| ControlFlow::Continue(()))
-    }
-
-    /// Returns the answers as [`prove_range`](Self::prove_range) does, with a progress callback.
-    ///
-    /// The callback receives the number of cells of the pair at hand. If it stops the search, this
-    /// pair and all later ones are open.
-    ///
-    /// # Errors
-    /// As [`prove_pair`](Self::prove_pair).
-    pub fn prove_range_with_progress(
-        &mut self,
-        low: &[f64],
-        high: &[f64],
-        options: &RangeOptions,
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-    ) -> Result<Vec<RangeAnswer>, PlanError> {
-        self.check_range(low, high)?;
+        checker.check_range(low, high)?;
         let range: Vec<[f64; 2]> = low.iter().zip(high).map(|(low, high)| [*low, *high]).collect();
-        let mut pairs: Vec<WorldPair> = self.pairs.ordered().iter().map(|k| self.pairs.all[*k].pair).collect();
+        let ordered = checker.pairs.ordered();
+        let mut pairs: Vec<WorldPair> = ordered.iter().map(|k| checker.pairs.all[*k].pair).collect();
         pairs.sort_unstable();
+        let Self { options, mut progress } = self;
         let mut is_stopped = false;
         let mut answers = Vec::with_capacity(pairs.len());
         for pair in pairs {
             let answer = RangeAnswer::new(pair, range.clone());
             let mut watch = |now| {
-                is_stopped |= progress(now).is_break();
+                is_stopped |= progress.as_mut().is_some_and(|progress| progress(now).is_break());
                 Progress::stop_if(is_stopped)
             };
-            answers.push(self.proved(answer, options, &mut watch)?);
+            answers.push(checker.proved(answer, &options, &mut watch)?);
         }
         Ok(answers)
     }
@@ -220,20 +215,30 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// not open is returned as it is.
     ///
     /// # Errors
-    /// As [`prove_pair`](Self::prove_pair), and if the bodies of the pair, the joints between them or
-    /// the distance that the pair must keep are not those of the answer. They are recognised by a
-    /// hash of corners, points, sizes and poses. A forged answer is not recognised.
-    pub fn resume_range(
-        &mut self,
+    /// As [`pair`](Self::pair), and if the bodies of the pair, the joints between them or the
+    /// distance that the pair must keep are not those of the answer. They are recognised by a hash
+    /// of corners, points, sizes and poses. A forged answer is not recognised.
+    pub fn resume<C: ConfigurationSpace>(
+        self,
+        checker: &mut Checker<C>,
         answer: &RangeAnswer,
-        options: &RangeOptions,
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<RangeAnswer, PlanError> {
         let [low, high] = [0, 1].map(|k| answer.range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
-        self.check_range(&low, &high)?;
-        self.proved(answer.clone(), options, progress)
+        checker.check_range(&low, &high)?;
+        self.proved(checker, answer.clone())
     }
 
+    fn proved<C: ConfigurationSpace>(
+        self,
+        checker: &mut Checker<C>,
+        answer: RangeAnswer,
+    ) -> Result<RangeAnswer, PlanError> {
+        let mut unwatched = |_| ControlFlow::Continue(());
+        checker.proved(answer, &self.options, self.progress.unwrap_or(&mut unwatched))
+    }
+}
+
+impl<C: ConfigurationSpace> Checker<C> {
     pub(crate) fn check_range(&self, low: &[f64], high: &[f64]) -> Result<(), PlanError> {
         self.check_time()?;
         self.space.check(low)?;

@@ -29,7 +29,7 @@ const COORDINATES: usize = 2;
 
 /// Boxes of joint values in which pairs of robot bodies are proven apart.
 ///
-/// [`Checker::pair_boxes`] makes them, once for a robot, and [`Checker::set_pair_boxes`] hands them
+/// [`search`](Self::search) makes them, once for a robot, and [`Checker::set_pair_boxes`] hands them
 /// to the checkers of its cells. Copies share the boxes.
 #[derive(Clone)]
 pub struct PairBoxes {
@@ -48,20 +48,24 @@ impl PairBoxes {
     pub fn pairs(&self) -> impl Iterator<Item = (WorldPair, f64)> {
         self.pairs.iter().map(|one| (one.pair, one.boxes.share))
     }
-}
 
-impl<C: ConfigurationSpace> Checker<C> {
     /// Searches for boxes of joint values in which pairs of robot bodies are proven apart, for each
     /// pair that is measured and has one or two coordinates that move it. `boxes` is the largest
     /// number of boxes of a pair that are searched.
     ///
     /// The boxes do not depend on obstacles and attached objects, so they serve all cells of the
-    /// robot. They are proven for what the pairs must keep at this call.
+    /// robot. They are proven for what the pairs must keep at this call. The callback receives the
+    /// number of boxes of a pair, after each box. If it stops the search, the result has what was
+    /// proven until then.
     ///
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
     /// # use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, World};
+    /// # use core::ops::ControlFlow;
+    /// use lin_canny::Progress;
+    /// use lin_canny_plan::PairBoxes;
+    ///
     /// // Two blocks on one rail.
     /// let rail = || Joint::prismatic(Isometry3::identity(), Vector3::x_axis(), [0.0, 4.0]);
     /// let rails = JointTree::serial(Isometry3::identity(), vec![rail(), rail()], vec![1, 2], 0.1)?;
@@ -71,7 +75,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// world.robot_body("second", block);
     /// let mut checker = Checker::new(rails, world)?;
     ///
-    /// let boxes = checker.pair_boxes(100)?;
+    /// let mut show = |_: Progress| ControlFlow::Continue(()); // here a bar is drawn
+    /// let boxes = PairBoxes::search(&mut checker, 100, &mut show)?;
     /// checker.set_pair_boxes(&boxes)?;
     /// assert!(checker.is_free(&JointMotion::segment(&[0.0, 2.0], &[3.0, 1.5]))?);
     /// assert_eq!(checker.work().queries + checker.work().decisions, 0);
@@ -80,29 +85,18 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// # Errors
     /// Returns an error if the space has a coordinate without limits.
-    pub fn pair_boxes(&mut self, boxes: u64) -> Result<PairBoxes, PlanError> {
-        self.pair_boxes_with_progress(boxes, &mut |_| ControlFlow::Continue(()))
-    }
-
-    /// Searches for boxes as [`pair_boxes`](Self::pair_boxes) does, with a progress callback.
-    ///
-    /// The callback receives the number of boxes of a pair, after each box. If it stops the search,
-    /// the result has what was proven until then.
-    ///
-    /// # Errors
-    /// As [`pair_boxes`](Self::pair_boxes).
-    pub fn pair_boxes_with_progress(
-        &mut self,
+    pub fn search<C: ConfigurationSpace>(
+        checker: &mut Checker<C>,
         boxes: u64,
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-    ) -> Result<PairBoxes, PlanError> {
-        let [low, high] = self.range_of_limits()?;
-        let own = self.pairs.own.values().map(|k| self.pairs.all[*k].pair);
-        let pairs: Vec<WorldPair> = own.filter(|pair| self.has_few_joints(*pair)).collect();
+    ) -> Result<Self, PlanError> {
+        let [low, high] = checker.range_of_limits()?;
+        let own = checker.pairs.own.values().map(|k| checker.pairs.all[*k].pair);
+        let pairs: Vec<WorldPair> = own.filter(|pair| checker.has_few_joints(*pair)).collect();
         let mut found = Vec::with_capacity(pairs.len());
         let mut is_stopped = false;
         for pair in pairs {
-            let boxes = self.with_prover(pair, &low, &high, |prover| {
+            let boxes = checker.with_prover(pair, &low, &high, |prover| {
                 search(prover, [low.clone(), high.clone()], boxes, &mut |at| {
                     let flow = progress(at);
                     is_stopped |= flow.is_break();
@@ -111,20 +105,22 @@ impl<C: ConfigurationSpace> Checker<C> {
             })?;
             found.push(Arc::new(ApartBoxes {
                 pair,
-                kept: self.world.kept_distance(pair),
-                paths: self.paths_of(pair),
+                kept: checker.world.kept_distance(pair),
+                paths: checker.paths_of(pair),
                 boxes,
             }));
             if is_stopped {
                 break;
             }
         }
-        Ok(PairBoxes {
-            robot: self.world.robot.clone(),
+        Ok(Self {
+            robot: checker.world.robot.clone(),
             pairs: found,
         })
     }
+}
 
+impl<C: ConfigurationSpace> Checker<C> {
     /// Answers by the boxes of pairs from now on, where they decide.
     ///
     /// [`is_free_at`](Self::is_free_at), [`is_free`](Self::is_free), [`certify`](Self::certify) and

@@ -134,7 +134,7 @@ pub struct RangeAnswer {
     pub cells: u64,
     /// Number of distance queries.
     pub queries: u64,
-    /// The cells that are left; [`Checker::resume_range`](crate::Checker::resume_range) goes on
+    /// The cells that are left; [`RangeProver::resume`](crate::RangeProver::resume) goes on
     /// with them.
     pub open: Vec<RangeCell>,
     /// A configuration at which the pair keeps its distance, and one at which it does not, if they

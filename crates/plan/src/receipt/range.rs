@@ -1,9 +1,11 @@
 //! Receipts of ranges: cells of configurations, each with a plane fixed to a link.
 //!
-//! The search for a verdict ([`Checker::prove_pair`]) has bounds of second order, swept joints and
-//! other steps that a checker would have to repeat. A receipt has one kind of evidence: a plane, the
-//! first derivatives at the middle of a cell, and one bound of the second ones. So the writer divides
-//! the range again, until the checker's bound, computed here in double precision, proves each cell.
+//! The search for a verdict ([`RangeProver`]) has bounds of second order, swept joints and other
+//! steps that a checker would have to repeat. A receipt has one kind of evidence: a plane, the first
+//! derivatives at the middle of a cell, and one bound of the second ones. So the writer divides the
+//! range again, until the checker's bound, computed here in double precision, proves each cell.
+//!
+//! [`RangeProver`]: crate::RangeProver
 
 use std::collections::BTreeMap;
 
@@ -34,7 +36,8 @@ const BITS: [u32; 3] = [6, 12, 20];
 const HALVINGS: usize = 200;
 
 impl Receipt {
-    /// Returns the receipt of answers about pairs over one range: see [`Checker::prove_range`].
+    /// Returns the receipt of answers about pairs over one range: see
+    /// [`RangeProver::all_pairs`](crate::RangeProver::all_pairs).
     ///
     /// A pair that never meets has cells with planes, which together are the range and, of a mesh or a
     /// compound, all its parts. The surfaces of a closed mesh are what stays apart. All other pairs
@@ -50,7 +53,7 @@ impl Receipt {
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
     /// use lin_canny_plan::receipt::Receipt;
-    /// use lin_canny_plan::{Checker, Joint, RangeOptions, JointTree, World};
+    /// use lin_canny_plan::{Checker, Joint, RangeOptions, RangeProver, JointTree, World};
     ///
     /// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
     /// let turn = |x: f64| Joint::revolute(at(x), Vector3::z_axis(), [-3.0, 3.0]);
@@ -63,7 +66,7 @@ impl Receipt {
     /// let mut checker = Checker::new(arm, world)?;
     ///
     /// let options = RangeOptions::default();
-    /// let answers = checker.prove_range(&[1.0, -1.0], &[2.0, 1.0], &options)?;
+    /// let answers = RangeProver::new(&options).all_pairs(&mut checker, &[1.0, -1.0], &[2.0, 1.0])?;
     /// let receipt = Receipt::range(&checker, &answers, 20_000)?;
     /// assert!(receipt.to_string().contains("\"claim\":\"range\""));
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -1,5 +1,6 @@
 //! Boxes of joint values in which pairs of robot bodies are apart: with and without them a checker says the same.
 
+use core::ops::ControlFlow;
 use core::ops::Range;
 
 use lin_canny::Progress;
@@ -71,12 +72,15 @@ fn random_robots(robots: Range<u64>, samples: u32, seed: u64) -> [u64; 3] {
     for k in robots {
         let mut rng = Rng::new(seed + 500 + k);
         let mut plain = random_checker(k, seed);
-        let boxes = plain.pair_boxes(300).expect("boxes");
+        let boxes = PairBoxes::search(&mut plain, 300, &mut |_| ControlFlow::Continue(())).expect("boxes");
         let Some((pair, share)) = boxes.pairs().next() else {
             continue;
         };
         // Budgets, not chance: a second search finds the same.
-        let again = plain.fork().expect("a checker").pair_boxes(300).expect("boxes");
+        let again = PairBoxes::search(&mut plain.fork().expect("a checker"), 300, &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .expect("boxes");
         assert_eq!(again.pairs().next(), Some((pair, share)), "{k}");
         let mut first = plain.fork().expect("a checker");
         first.set_pair_boxes(&boxes).expect("the boxes of this robot");
@@ -139,7 +143,7 @@ fn blocks(count: usize, half: f64) -> Checker<JointTree> {
 #[test]
 fn only_pairs_with_one_or_two_joints_have_boxes() {
     let mut checker = blocks(5, 0.25);
-    let boxes = checker.pair_boxes(50).expect("boxes");
+    let boxes = PairBoxes::search(&mut checker, 50, &mut |_| ControlFlow::Continue(())).expect("boxes");
     let pairs: Vec<String> = boxes.pairs().map(|(pair, _)| pair.to_string()).collect();
     let near = |k: usize| (1..=2).map(move |d| (k, k + d)).filter(|(_, b)| *b < 5);
     let expected = (0..5).flat_map(near);
@@ -171,15 +175,20 @@ fn share_of(boxes: &PairBoxes) -> f64 {
 fn the_volume_of_a_square_is_known() {
     let mut checker = square([[-2.0, 2.0]; 2]);
     let apart = 1.0 - 1.2 * 1.2 / 16.0;
-    let share = share_of(&checker.pair_boxes(20_000).expect("boxes"));
+    let share = share_of(&PairBoxes::search(&mut checker, 20_000, &mut |_| ControlFlow::Continue(())).expect("boxes"));
     assert!(share < apart && share > apart - 2e-3, "{share}");
     // One of two coordinates has a width, and the post ends a box within rounding.
-    let share = share_of(&square([[-2.0, 2.0], [0.0; 2]]).pair_boxes(5_000).expect("boxes"));
+    let share = share_of(
+        &PairBoxes::search(&mut square([[-2.0, 2.0], [0.0; 2]]), 5_000, &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .expect("boxes"),
+    );
     assert!((share - 0.7).abs() < 1e-9, "{share}");
     // Without a width there is one box.
     for (x, apart) in [(0.3, 0.0), (0.7, 1.0)] {
         let mut checker = square([[x; 2], [0.0; 2]]);
-        let boxes = checker.pair_boxes(10).expect("boxes");
+        let boxes = PairBoxes::search(&mut checker, 10, &mut |_| ControlFlow::Continue(())).expect("boxes");
         assert_eq!(share_of(&boxes), apart);
         checker.set_pair_boxes(&boxes).expect("the boxes");
         assert_eq!(checker.is_free_at(&[x, 0.0]).expect("a configuration"), apart == 1.0);
@@ -190,7 +199,7 @@ fn the_volume_of_a_square_is_known() {
 #[test]
 fn configurations_and_segments_on_faces_are_looked_up() {
     let mut plain = square([[-2.0, 2.0]; 2]);
-    let boxes = plain.pair_boxes(3_000).expect("boxes");
+    let boxes = PairBoxes::search(&mut plain, 3_000, &mut |_| ControlFlow::Continue(())).expect("boxes");
     let mut with = plain.fork().expect("a checker");
     with.set_pair_boxes(&boxes).expect("the boxes");
     // Sums of powers of two, where boxes meet.
@@ -228,15 +237,25 @@ fn configurations_and_segments_on_faces_are_looked_up() {
 fn a_search_that_is_stopped_keeps_its_boxes() {
     let mut checker = square([[-2.0, 2.0]; 2]);
     let mut counts = Vec::new();
-    let stopped = checker.pair_boxes_with_progress(1_000, &mut |now| {
+    let stopped = PairBoxes::search(&mut checker, 1_000, &mut |now| {
         counts.push(now.done);
         Progress::stop_if(now.done == 200)
     });
     let stopped = share_of(&stopped.expect("boxes"));
     assert_eq!(counts, (1..=200).collect::<Vec<_>>());
-    assert_eq!(stopped, share_of(&checker.pair_boxes(200).expect("boxes")));
-    assert!(stopped > 0.5 && stopped < share_of(&checker.pair_boxes(1_000).expect("boxes")));
-    assert_eq!(share_of(&checker.pair_boxes(0).expect("boxes")), 0.0);
+    assert_eq!(
+        stopped,
+        share_of(&PairBoxes::search(&mut checker, 200, &mut |_| ControlFlow::Continue(())).expect("boxes"))
+    );
+    assert!(
+        stopped > 0.5
+            && stopped
+                < share_of(&PairBoxes::search(&mut checker, 1_000, &mut |_| ControlFlow::Continue(())).expect("boxes"))
+    );
+    assert_eq!(
+        share_of(&PairBoxes::search(&mut checker, 0, &mut |_| ControlFlow::Continue(())).expect("boxes")),
+        0.0
+    );
 }
 
 #[test]
@@ -244,13 +263,17 @@ fn a_coordinate_without_limits_is_an_error() {
     let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
     let mut world = World::new();
     world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
-    let refused = Checker::new(space, world).expect("a checker").pair_boxes(10);
+    let refused = PairBoxes::search(&mut Checker::new(space, world).expect("a checker"), 10, &mut |_| {
+        ControlFlow::Continue(())
+    });
     assert!(matches!(refused, Err(PlanError::Value { .. })), "{refused:?}");
 }
 
 #[test]
 fn boxes_of_another_robot_are_refused() {
-    let of = |checker: &mut Checker<JointTree>| -> PairBoxes { checker.pair_boxes(50).expect("boxes") };
+    let of = |checker: &mut Checker<JointTree>| -> PairBoxes {
+        PairBoxes::search(checker, 50, &mut |_| ControlFlow::Continue(())).expect("boxes")
+    };
     let mut checker = blocks(2, 0.25);
     let other = of(&mut blocks(2, 0.25));
     let said = checker.set_pair_boxes(&other).expect_err("other bodies");

@@ -7,8 +7,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vecto
 use lin_canny::polyhedron::solids;
 use lin_canny::{HalfSpace, Mesh, Shape};
 use lin_canny_plan::{
-    Checker, ClearanceWidth, ConfigurationSpace, Joint, JointTree, PlanError, RangeAnswer, RangeOptions, RangeVerdict,
-    TimedPoses, World, WorldId,
+    Checker, ClearanceWidth, ConfigurationSpace, Joint, JointTree, PlanError, RangeAnswer, RangeOptions, RangeProver,
+    RangeVerdict, TimedPoses, World, WorldId,
 };
 use std::f64::consts::{PI, TAU};
 use truth::rng::Rng;
@@ -35,7 +35,7 @@ fn pairs_that_touch_at_one_inner_configuration_never_never_meet() {
     for (low, high) in [(-0.25, 0.25), (-0.3, 0.2), (-0.7, 0.1)] {
         let prove = |gap: f64, options: &RangeOptions| {
             let mut checker = swing(gap);
-            let answer = checker.prove_pair(A, OTHER, &[low, 3.0], &[high, 3.0], options);
+            let answer = RangeProver::new(options).pair(&mut checker, A, OTHER, &[low, 3.0], &[high, 3.0]);
             let answer = answer.expect("a range");
             if let RangeVerdict::Both { free, touching } = &answer.verdict {
                 assert_eq!(checker.is_free_at(free), Ok(true));
@@ -60,7 +60,7 @@ fn pairs_that_touch_at_one_inner_configuration_never_never_meet() {
 fn a_contact_at_the_end_of_a_turn_is_found() {
     let options = RangeOptions::default();
     for (end, touches) in [(0.0, true), (-1e-3, false)] {
-        let answer = swing(0.0).prove_pair(A, OTHER, &[-0.9, 3.0], &[end, 3.0], &options);
+        let answer = RangeProver::new(&options).pair(&mut swing(0.0), A, OTHER, &[-0.9, 3.0], &[end, 3.0]);
         let answer = answer.expect("a range");
         assert_eq!(answer.is_never(), !touches, "{answer:?}");
         assert!(answer.lower <= 3.0 * (1.0 - f64::cos(end)), "{answer:?}");
@@ -83,7 +83,9 @@ fn ranges_of_no_width_are_as_single_configurations_say() {
         for margin in [0.0, 0.2] {
             checker.set_margin(margin).expect("a margin");
             let q: Vec<f64> = tree.bounds().iter().map(|[low, high]| rng.range(*low, *high)).collect();
-            let answers = checker.prove_range(&q, &q, &RangeOptions::default()).expect("a range");
+            let answers = RangeProver::new(&RangeOptions::default())
+                .all_pairs(&mut checker, &q, &q)
+                .expect("a range");
             assert!(answers.iter().all(|answer| answer.cells == 1 && answer.open.is_empty()));
             let is_free = answers.iter().all(RangeAnswer::is_never);
             assert_eq!(checker.is_free_at(&q), Ok(is_free));
@@ -103,8 +105,8 @@ fn a_coordinate_of_no_width_is_not_divided() {
         .expect("a box");
     let mut checker = moved(joints(), cube(0.2), far);
     for (x, never) in [(3.0, true), (3.3, false)] {
-        let answer = checker
-            .prove_pair(A, OTHER, &[-PI, x], &[PI, x], &options)
+        let answer = RangeProver::new(&options)
+            .pair(&mut checker, A, OTHER, &[-PI, x], &[PI, x])
             .expect("a range");
         assert_eq!(answer.is_never(), never, "{answer:?}");
         assert!(answer.at[1] == x && answer.open.is_empty(), "{answer:?}");
@@ -121,7 +123,9 @@ fn joints_that_change_no_distance_cost_few_cells() {
             .expect("a wall")
     };
     let mut along = moved(vec![turn(Vector3::x(), [-PI, PI])], cube(0.5), wall());
-    let answer = along.prove_pair(A, OTHER, &[-PI], &[PI], &options).expect("a range");
+    let answer = RangeProver::new(&options)
+        .pair(&mut along, A, OTHER, &[-PI], &[PI])
+        .expect("a range");
     assert!(answer.is_never() && answer.cells < 64, "{answer:?}");
     assert!(answer.lower >= 1.5 - 2e-3 && answer.lower <= 1.5, "{answer:?}");
     let mut spin = moved(
@@ -129,7 +133,9 @@ fn joints_that_change_no_distance_cost_few_cells() {
         Shape::ball(0.5).expect("a ball"),
         wall(),
     );
-    let answer = spin.prove_pair(A, OTHER, &[-TAU], &[TAU], &options).expect("a range");
+    let answer = RangeProver::new(&options)
+        .pair(&mut spin, A, OTHER, &[-TAU], &[TAU])
+        .expect("a range");
     assert!(answer.is_never() && answer.cells == 1, "{answer:?}");
 }
 
@@ -145,8 +151,8 @@ fn a_turn_about_the_place_of_contact_keeps_it() {
     for axis in axes {
         let other = cube(0.3);
         let mut checker = moved(vec![turn(axis, [-PI, PI])], needle.clone(), other);
-        let answer = checker
-            .prove_pair(A, OTHER, &[-PI], &[PI], &RangeOptions::default())
+        let answer = RangeProver::new(&RangeOptions::default())
+            .pair(&mut checker, A, OTHER, &[-PI], &[PI])
             .expect("a range");
         assert_eq!((answer.verdict, answer.cells), (RangeVerdict::Always, 1));
     }
@@ -156,8 +162,8 @@ fn a_turn_about_the_place_of_contact_keeps_it() {
 fn a_width_of_zero_ends_at_its_budget_with_tight_bounds() {
     let mut checker = swing(0.5);
     let options = RangeOptions::default().cells(500).width(ClearanceWidth::Length(0.0));
-    let answer = checker
-        .prove_pair(A, OTHER, &[-0.3, 3.0], &[0.2, 3.0], &options)
+    let answer = RangeProver::new(&options)
+        .pair(&mut checker, A, OTHER, &[-0.3, 3.0], &[0.2, 3.0])
         .expect("a range");
     assert!(
         answer.cells <= 500 && answer.lower <= 0.5 && 0.5 <= answer.upper,
@@ -180,8 +186,8 @@ fn twenty_joints_are_bounded_together() {
         .transformed(&Isometry3::translation(2.0, 1.2, 0.0))
         .expect("a box");
     let mut checker = moved((0..20).map(joint).collect(), cube(0.05), other);
-    let answer = checker
-        .prove_pair(A, OTHER, &[-0.01; 20], &[0.01; 20], &RangeOptions::default().cells(200))
+    let answer = RangeProver::new(&RangeOptions::default().cells(200))
+        .pair(&mut checker, A, OTHER, &[-0.01; 20], &[0.01; 20])
         .expect("a range");
     assert!(answer.is_never() && answer.coordinates.len() == 20, "{answer:?}");
     let mut rng = Rng::new(6);
@@ -210,8 +216,8 @@ fn round_bodies_reach_a_width_below_the_error_of_their_prisms() {
             let rail = Joint::prismatic(origin, Vector3::z_axis(), [-0.5, 0.5]);
             let mut checker = moved(vec![rail], shape.clone(), wall.clone());
             let options = RangeOptions::default().width(ClearanceWidth::Length(width));
-            let answer = checker
-                .prove_pair(A, OTHER, &[-0.5], &[0.5], &options)
+            let answer = RangeProver::new(&options)
+                .pair(&mut checker, A, OTHER, &[-0.5], &[0.5])
                 .expect("a range");
             assert!(answer.is_never() && answer.lower <= 1.0, "{answer:?}");
             assert!(
@@ -226,7 +232,9 @@ fn round_bodies_reach_a_width_below_the_error_of_their_prisms() {
     let cylinder = Shape::cylinder(0.5, 1.0).expect("a cylinder");
     let mut spinning = moved(vec![turn(Vector3::z(), [-PI, PI])], cylinder, wall);
     let options = RangeOptions::default().width(ClearanceWidth::Share(0.1));
-    let answer = spinning.prove_pair(A, OTHER, &[-PI], &[PI], &options).expect("a range");
+    let answer = RangeProver::new(&options)
+        .pair(&mut spinning, A, OTHER, &[-PI], &[PI])
+        .expect("a range");
     assert!(
         answer.is_never() && answer.lower > 0.9 && answer.lower <= 1.0,
         "{answer:?}"
@@ -263,7 +271,9 @@ fn a_mesh_in_a_hollow_mesh_keeps_off_its_walls() {
         ([2.6, 3.0], "never"),
     ] {
         let (low, high) = ([x[0], -0.3], [x[1], 0.3]);
-        let answer = checker.prove_pair(A, OTHER, &low, &high, &options).expect("a range");
+        let answer = RangeProver::new(&options)
+            .pair(&mut checker, A, OTHER, &low, &high)
+            .expect("a range");
         let found = match answer.verdict {
             RangeVerdict::Never => "never",
             RangeVerdict::Always => "always",
@@ -301,7 +311,7 @@ fn an_answer_goes_on_only_at_a_time() {
     checker.set_time(0.0).expect("a time");
     let (post, cart) = (WorldId::Obstacle(0), WorldId::Obstacle(1));
     let mut open = |id| {
-        let answer = checker.prove_pair(A, id, &[0.0], &[3.0], &options.cells(0));
+        let answer = RangeProver::new(&options.cells(0)).pair(&mut checker, A, id, &[0.0], &[3.0]);
         answer.expect("a range")
     };
     for id in [post, cart] {
@@ -309,13 +319,18 @@ fn an_answer_goes_on_only_at_a_time() {
         assert!(matches!(begun.verdict, RangeVerdict::Open { .. }));
         let mut later = scene();
         let none = Err(PlanError::NoTime("cart".into()));
-        assert_eq!(later.resume_range(&begun, &options, go), none);
+        assert_eq!(RangeProver::new(&options).progress(go).resume(&mut later, &begun), none);
         later.set_time(0.0).expect("a time");
-        let whole = later.prove_pair(A, id, &[0.0], &[3.0], &options).expect("a range");
+        let whole = RangeProver::new(&options)
+            .pair(&mut later, A, id, &[0.0], &[3.0])
+            .expect("a range");
         assert!(whole.is_never(), "{whole:?}");
-        assert_eq!(later.resume_range(&begun, &options, go), Ok(whole));
+        assert_eq!(
+            RangeProver::new(&options).progress(go).resume(&mut later, &begun),
+            Ok(whole)
+        );
         later.set_time(0.5).expect("a time");
-        let again = later.resume_range(&begun, &options, go);
+        let again = RangeProver::new(&options).progress(go).resume(&mut later, &begun);
         // The post has not moved.
         assert_eq!(again.is_ok(), id == post, "{again:?}");
     }

@@ -8,7 +8,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, Geometry, HalfSpace, Mesh, PairTracker, RelativePose, Shape};
 use lin_canny_plan::{
     Checker, ClearanceWidth, ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanError, RangeAnswer,
-    RangeOptions, RangeVerdict, TimedPoses, TreeJoint, World, WorldId, WorldPair,
+    RangeOptions, RangeProver, RangeVerdict, TimedPoses, TreeJoint, World, WorldId, WorldPair,
 };
 use std::f64::consts::PI;
 use truth::rng::Rng;
@@ -116,10 +116,12 @@ fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
         if k % 2 == 0 {
             options = options.width(ClearanceWidth::Share(0.2));
         }
-        let refused = checker.prove_range(&low, &high, &options);
+        let refused = RangeProver::new(&options).all_pairs(&mut checker, &low, &high);
         assert_eq!(refused, Err(PlanError::NoTime("cart".into())));
         checker.set_time(rng.range(0.0, 1.0)).expect("a time");
-        let mut answers = checker.prove_range(&low, &high, &options).expect("a range");
+        let mut answers = RangeProver::new(&options)
+            .all_pairs(&mut checker, &low, &high)
+            .expect("a range");
         let excluded = WorldPair::new(A, WorldId::Obstacle(3)).expect("a pair");
         // Both bodies and the part against five obstacles, one excluded; the part is rigid with b.
         assert_eq!(answers.len(), 3 * 5 - 1 + 2);
@@ -130,8 +132,8 @@ fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
                 .any(|answer| answer.pair.a == part || answer.pair.b == part)
         );
         answers.push(
-            checker
-                .prove_pair(excluded.a, excluded.b, &low, &high, &options)
+            RangeProver::new(&options)
+                .pair(&mut checker, excluded.a, excluded.b, &low, &high)
                 .expect("an excluded pair"),
         );
         for answer in &answers {
@@ -177,17 +179,24 @@ fn a_range_beside_a_moving_obstacle_needs_a_time() {
     let mut checker = Checker::new(arm.expect("an arm"), world).expect("a world");
     let options = RangeOptions::default();
     let none = Err(PlanError::NoTime("cart".into()));
-    assert_eq!(checker.prove_pair(A, cart, &[0.0], &[3.0], &options), none);
+    assert_eq!(
+        RangeProver::new(&options).pair(&mut checker, A, cart, &[0.0], &[3.0]),
+        none
+    );
     checker.set_time(0.0).expect("a time");
-    let early = checker.prove_pair(A, cart, &[0.0], &[3.0], &options).expect("a range");
+    let early = RangeProver::new(&options)
+        .pair(&mut checker, A, cart, &[0.0], &[3.0])
+        .expect("a range");
     assert!(early.is_never() && early.lower <= 5.0, "{early:?}");
     checker.set_time(1.0).expect("a time");
-    let late = checker.prove_pair(A, cart, &[0.0], &[3.0], &options).expect("a range");
+    let late = RangeProver::new(&options)
+        .pair(&mut checker, A, cart, &[0.0], &[3.0])
+        .expect("a range");
     assert!(matches!(late.verdict, RangeVerdict::Both { .. }), "{late:?}");
     // The obstacle has moved since the answer.
     let go = &mut |_| ControlFlow::Continue(());
     assert_eq!(
-        checker.resume_range(&early, &options, go),
+        RangeProver::new(&options).progress(go).resume(&mut checker, &early),
         Err(PlanError::OtherRange(early.pair))
     );
 }
@@ -199,14 +208,18 @@ fn a_range_of_no_width_at_the_margin_is_within_it() {
         let mut checker = moved(vec![slide(Vector3::x_axis(), [2.0, 5.0])], cube(1.0), cube(1.0));
         checker.set_margin(0.5).expect("a margin");
         let options = RangeOptions::default();
-        let answer = checker.prove_pair(A, OTHER, &[at], &[at], &options).expect("a range");
+        let answer = RangeProver::new(&options)
+            .pair(&mut checker, A, OTHER, &[at], &[at])
+            .expect("a range");
         // The slide rounds to a grid of 2^-51.
         let is_at = at - 2.0 <= 0.5;
         assert!(is_at == is_within || gap != 0.5);
         assert_eq!(answer.verdict == RangeVerdict::Always, is_at, "{answer:?}");
         assert_eq!(checker.is_free_at(&[at]), Ok(!is_at));
         // A decided answer is returned as it is.
-        let again = checker.resume_range(&answer, &options, &mut |_| ControlFlow::Continue(()));
+        let again = RangeProver::new(&options)
+            .progress(&mut |_| ControlFlow::Continue(()))
+            .resume(&mut checker, &answer);
         assert_eq!(again, Ok(answer));
     }
 }
@@ -247,7 +260,9 @@ fn a_coordinate_of_no_width_on_a_link_that_turns_is_no_single_configuration() {
         let gap = [0.0, 0.1, -0.1, 1e-15][k % 4];
         let options = RangeOptions::default();
         let [low, high] = [[-3.0, 1.0 + gap], [3.0, 1.0 + gap]];
-        let answer = checker.prove_pair(A, B, &low, &high, &options).expect("a range");
+        let answer = RangeProver::new(&options)
+            .pair(&mut checker, A, B, &low, &high)
+            .expect("a range");
         judge(&checker, &answer, 200, &mut rng);
         never += u32::from(answer.is_never());
         always += u32::from(answer.verdict == RangeVerdict::Always);
@@ -281,7 +296,9 @@ fn limits_of_a_million_radians_hold_at_samples() {
         let post = world.obstacle("post", cube(0.3), Isometry3::translation([0.0, 4.0][k / 4], 0.0, 0.0));
         let mut checker = Checker::new(tree, world).expect("a world");
         let options = RangeOptions::default().cells(400);
-        let answer = checker.prove_pair(A, post, &[-1e6], &[1e6], &options).expect("a range");
+        let answer = RangeProver::new(&options)
+            .pair(&mut checker, A, post, &[-1e6], &[1e6])
+            .expect("a range");
         judge(&checker, &answer, 2_000, &mut rng);
         tally[usize::from(answer.is_never())] += 1;
     }
@@ -302,12 +319,12 @@ fn a_turn_before_a_long_slide_reaches_far() {
     let other = world.obstacle("other", ball(), Isometry3::translation(0.0, 8.0, 0.0));
     let mut checker = Checker::new(arm, world).expect("a world");
     let options = RangeOptions::default();
-    let both = checker
-        .prove_pair(A, other, &[-1.0, 0.0], &[2.0, 10.0], &options)
+    let both = RangeProver::new(&options)
+        .pair(&mut checker, A, other, &[-1.0, 0.0], &[2.0, 10.0])
         .expect("a range");
     assert!(matches!(both.verdict, RangeVerdict::Both { .. }), "{both:?}");
-    let short = checker
-        .prove_pair(A, other, &[-1.0, 0.0], &[2.0, 7.7], &options)
+    let short = RangeProver::new(&options)
+        .pair(&mut checker, A, other, &[-1.0, 0.0], &[2.0, 7.7])
         .expect("a range");
     assert!(short.is_never() && short.lower <= 0.1 + 1e-12, "{short:?}");
 }
@@ -322,11 +339,14 @@ fn an_answer_about_other_bodies_is_not_resumed() {
     let options = RangeOptions::default();
     let go = &mut |_| ControlFlow::Continue(());
     let mut checker = moved(joint(), cube(0.5), far(2.0));
-    let open = checker
-        .prove_pair(A, OTHER, &[-PI], &[PI], &options.cells(0))
+    let open = RangeProver::new(&options.cells(0))
+        .pair(&mut checker, A, OTHER, &[-PI], &[PI])
         .expect("a range");
     assert!(matches!(open.verdict, RangeVerdict::Open { .. }));
-    let answer = checker.resume_range(&open, &options, go).expect("a range");
+    let answer = RangeProver::new(&options)
+        .progress(go)
+        .resume(&mut checker, &open)
+        .expect("a range");
     assert!(answer.is_never());
     let points = [Point3::new(2.0, 0.0, 0.0), Point3::new(2.1, 0.1, 0.1)];
     let more = [points[0], points[1], Point3::new(2.05, 0.05, 0.05)];
@@ -337,26 +357,33 @@ fn an_answer_about_other_bodies_is_not_resumed() {
         let mut changed = moved(joint(), cube(0.5), other);
         for old in [&open, &answer] {
             assert_eq!(
-                changed.resume_range(old, &options, go),
+                RangeProver::new(&options).progress(go).resume(&mut changed, old),
                 Err(PlanError::OtherRange(old.pair))
             );
         }
     }
     let [_, _, two, three] = others;
-    let of_two = moved(joint(), cube(0.5), two).prove_pair(A, OTHER, &[-PI], &[PI], &options);
+    let of_two = RangeProver::new(&options).pair(&mut moved(joint(), cube(0.5), two), A, OTHER, &[-PI], &[PI]);
     assert!(
-        moved(joint(), cube(0.5), three)
-            .resume_range(&of_two.expect("a range"), &options, go)
+        RangeProver::new(&options)
+            .progress(go)
+            .resume(&mut moved(joint(), cube(0.5), three), &of_two.expect("a range"))
             .is_err()
     );
     let turned = Joint::revolute(Isometry3::identity(), Vector3::x_axis(), [-PI, PI]);
     assert!(
-        moved(vec![turned], cube(0.5), far(2.0))
-            .resume_range(&answer, &options, go)
+        RangeProver::new(&options)
+            .progress(go)
+            .resume(&mut moved(vec![turned], cube(0.5), far(2.0)), &answer)
             .is_err()
     );
     checker.set_margin(0.1).expect("a margin");
-    assert!(checker.resume_range(&answer, &options, go).is_err());
+    assert!(
+        RangeProver::new(&options)
+            .progress(go)
+            .resume(&mut checker, &answer)
+            .is_err()
+    );
 }
 
 /// The error of a joint is a joint about the same axis, and the place of an obstacle is a joint of
@@ -386,7 +413,9 @@ fn errors_of_joints_and_places_of_obstacles_are_coordinates_with_a_range() {
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-6));
     for (error, place) in [(0.0, 0.0), (0.05, 0.0), (0.0, 0.03), (0.05, 0.03), (0.1, 0.1)] {
         let (low, high) = ([0.5, -error, -place], [1.0, error, place]);
-        let answer = checker.prove_pair(A, B, &low, &high, &options).expect("a range");
+        let answer = RangeProver::new(&options)
+            .pair(&mut checker, A, B, &low, &high)
+            .expect("a range");
         let least = 0.5 - error;
         let truth = 1.2 - place - (least.cos() + 0.05 * least.sin());
         assert!(answer.is_never(), "{answer:?}");
@@ -399,7 +428,9 @@ fn errors_of_joints_and_places_of_obstacles_are_coordinates_with_a_range() {
     checker.set_margin(0.27).expect("a margin");
     for (error, place, is_never) in [(0.0, 0.0, true), (0.1, 0.0, false), (0.0, 0.1, false)] {
         let (low, high) = ([0.5, -error, -place], [1.0, error, place]);
-        let answer = checker.prove_pair(A, B, &low, &high, &options).expect("a range");
+        let answer = RangeProver::new(&options)
+            .pair(&mut checker, A, B, &low, &high)
+            .expect("a range");
         assert_eq!(answer.is_never(), is_never, "{answer:?}");
     }
 }
@@ -427,7 +458,9 @@ fn tolerances_of_a_part_are_coordinates_with_a_range() {
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-4));
     let mut prove = |off: f64, tilt: f64| {
         let (low, high) = ([-0.5, -off, -tilt], [0.5, off, tilt]);
-        checker.prove_pair(A, wall, &low, &high, &options).expect("a range")
+        RangeProver::new(&options)
+            .pair(&mut checker, A, wall, &low, &high)
+            .expect("a range")
     };
     assert!((prove(0.0, 0.0).lower - 0.1).abs() < 2e-4);
     for (off, tilt) in [(0.02, 0.0), (0.0, 0.1), (0.02, 0.05)] {

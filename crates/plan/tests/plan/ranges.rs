@@ -7,7 +7,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ConvexPolyhedron, Geometry, HalfSpace, PairTracker, Piece, RelativePose, Shape};
 use lin_canny_plan::{
     Checker, ClearanceWidth, ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanError, PlanarSpace,
-    RangeAnswer, RangeOptions, RangeVerdict, RigidSpace, TreeJoint, World, WorldId,
+    RangeAnswer, RangeOptions, RangeProver, RangeVerdict, RigidSpace, TreeJoint, World, WorldId,
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use truth::cells::Cell;
@@ -232,7 +232,9 @@ fn random_boxes(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
             if turn == 0 {
                 options = options.width(ClearanceWidth::Share(0.1));
             }
-            let answer = checker.prove_pair(A, B, &low, &high, &options).expect("a range");
+            let answer = RangeProver::new(&options)
+                .pair(&mut checker, A, B, &low, &high)
+                .expect("a range");
             judge(&mut oracle, &answer, kept, samples, &mut rng);
             if turn == 0 && answer.is_never() {
                 assert!(
@@ -296,8 +298,8 @@ fn a_range_of_no_width_is_a_configuration() {
         let mut checker = Checker::new(tree.clone(), world).expect("a robot");
         let q: Vec<f64> = tree.bounds().iter().map(|[low, high]| rng.range(*low, *high)).collect();
         let is_free = checker.is_free_at(&q).expect("a configuration");
-        let answer = checker
-            .prove_pair(A, B, &q, &q, &RangeOptions::default())
+        let answer = RangeProver::new(&RangeOptions::default())
+            .pair(&mut checker, A, B, &q, &q)
             .expect("a range");
         let verdict = if is_free {
             RangeVerdict::Never
@@ -315,8 +317,8 @@ fn boxes_that_touch_at_one_end_of_a_slide_do_both() {
     for (from, name) in [(2.0, "touch"), (2.0 + 1e-9, "never")] {
         let mut checker = moved(vec![slide(Vector3::x_axis(), [2.0, 5.0])], cube(1.0), cube(1.0));
         let options = RangeOptions::default();
-        let answer = checker
-            .prove_pair(A, OTHER, &[from], &[5.0], &options)
+        let answer = RangeProver::new(&options)
+            .pair(&mut checker, A, OTHER, &[from], &[5.0])
             .expect("a range");
         match answer.verdict {
             RangeVerdict::Both { touching, .. } => assert_eq!((name, touching), ("touch", vec![2.0])),
@@ -338,8 +340,8 @@ fn boxes_that_touch_at_one_inner_configuration_are_never_free() {
     let mut checker = moved(vec![turn], edge, cube(1.0));
     checker.set_margin(0.3).expect("a margin");
     let options = RangeOptions::default().cells(300);
-    let answer = checker
-        .prove_pair(A, OTHER, &[-0.1], &[0.1], &options)
+    let answer = RangeProver::new(&options)
+        .pair(&mut checker, A, OTHER, &[-0.1], &[0.1])
         .expect("a range");
     assert!(!answer.is_never() || answer.lower > 0.3, "{answer:?}");
 }
@@ -362,13 +364,13 @@ fn full_turns_and_more_are_one_turn() {
         let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-limit, limit]);
         let options = RangeOptions::default();
         let mut never = moved(vec![turn.clone()], rod(0.0), post(1.2));
-        let answer = never
-            .prove_pair(A, OTHER, &[-limit], &[limit], &options)
+        let answer = RangeProver::new(&options)
+            .pair(&mut never, A, OTHER, &[-limit], &[limit])
             .expect("a range");
         assert!(answer.is_never() && answer.cells < 40, "{turns}: {answer:?}");
         let mut both = moved(vec![turn], rod(0.0), post(0.95));
-        let answer = both
-            .prove_pair(A, OTHER, &[-limit], &[limit], &options)
+        let answer = RangeProver::new(&options)
+            .pair(&mut both, A, OTHER, &[-limit], &[limit])
             .expect("a range");
         assert!(
             matches!(answer.verdict, RangeVerdict::Both { .. }),
@@ -386,8 +388,8 @@ fn links_that_overlap_about_their_joint_always_meet() {
         Shape::from(rod).rounded(0.01).expect("a shape").into(),
     ] {
         let mut checker = moved(vec![turn.clone(), turn.clone()], shape, cube(0.2));
-        let answer = checker
-            .prove_pair(A, OTHER, &[-TAU; 2], &[TAU; 2], &RangeOptions::default())
+        let answer = RangeProver::new(&RangeOptions::default())
+            .pair(&mut checker, A, OTHER, &[-TAU; 2], &[TAU; 2])
             .expect("a range");
         assert_eq!((answer.verdict, answer.cells), (RangeVerdict::Always, 1));
     }
@@ -407,14 +409,14 @@ fn bodies_of_one_link_are_one_cell() {
                 .expect("a box"),
         );
         let mut checker = Checker::new(arm.clone(), world).expect("a world");
-        let answer = checker
-            .prove_pair(B, A, &[-1.0], &[1.0], &RangeOptions::default())
+        let answer = RangeProver::new(&RangeOptions::default())
+            .pair(&mut checker, B, A, &[-1.0], &[1.0])
             .expect("a range");
         assert_eq!((answer.verdict, answer.coordinates, answer.cells), (verdict, vec![], 1));
         // Pairs that keep their pose are not measured.
         assert_eq!(
-            checker
-                .prove_range(&[-1.0], &[1.0], &RangeOptions::default())
+            RangeProver::new(&RangeOptions::default())
+                .all_pairs(&mut checker, &[-1.0], &[1.0])
                 .expect("a range"),
             []
         );
@@ -433,8 +435,8 @@ fn a_pair_that_stays_closer_than_its_margin_always_meets() {
     );
     for (margin, verdict) in [(0.05, RangeVerdict::Never), (0.15, RangeVerdict::Always)] {
         checker.set_margin(margin).expect("a margin");
-        let answer = checker
-            .prove_pair(A, OTHER, &[-PI], &[PI], &RangeOptions::default())
+        let answer = RangeProver::new(&RangeOptions::default())
+            .pair(&mut checker, A, OTHER, &[-PI], &[PI])
             .expect("a range");
         assert_eq!(answer.verdict, verdict, "{answer:?}");
     }
@@ -449,8 +451,8 @@ fn a_block_in_the_plane_keeps_off_a_post() {
     let mut checker = Checker::new(space, world).expect("a world");
     let width = ClearanceWidth::Length(1e-3);
     let options = RangeOptions::default().width(width);
-    let answer = checker
-        .prove_pair(A, OTHER, &[3.0, -1.0, -4.0], &[5.0, 1.0, 4.0], &options)
+    let answer = RangeProver::new(&options)
+        .pair(&mut checker, A, OTHER, &[3.0, -1.0, -4.0], &[5.0, 1.0, 4.0])
         .expect("a range");
     // A corner of the block points at the post.
     let truth = 2.0 - 2f64.sqrt();
@@ -459,7 +461,7 @@ fn a_block_in_the_plane_keeps_off_a_post() {
         "{answer:?}"
     );
     assert!(answer.upper - answer.lower <= 1e-3, "{answer:?}");
-    let error = checker.prove_pair(A, OTHER, &[3.0, 0.0, 0.0], &[3.0, 0.0, 1e4], &options);
+    let error = RangeProver::new(&options).pair(&mut checker, A, OTHER, &[3.0, 0.0, 0.0], &[3.0, 0.0, 1e4]);
     assert_eq!(error, Err(PlanError::Coordinate { index: 2, value: 1e4 }));
 }
 
@@ -487,7 +489,9 @@ fn fingers_that_mimic_each_other_keep_their_distance() {
     world.robot_body("b", cube(1.0));
     let mut checker = Checker::new(tree, world).expect("a world");
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-9));
-    let answer = checker.prove_pair(A, B, &[0.0], &[100.0], &options).expect("a range");
+    let answer = RangeProver::new(&options)
+        .pair(&mut checker, A, B, &[0.0], &[100.0])
+        .expect("a range");
     assert!(answer.is_never() && answer.lower > 0.1 - 1e-8, "{answer:?}");
 }
 
@@ -502,8 +506,8 @@ fn a_floor_stays_below_an_arm() {
     };
     let options = RangeOptions::default().width(ClearanceWidth::Share(0.01));
     let mut above = moved(joints(), rod(0.5), floor);
-    let answer = above
-        .prove_pair(A, OTHER, &[-PI; 2], &[PI; 2], &options)
+    let answer = RangeProver::new(&options)
+        .pair(&mut above, A, OTHER, &[-PI; 2], &[PI; 2])
         .expect("a range");
     let truth = 1.5 - 1.01f64.sqrt();
     assert!(
@@ -511,8 +515,8 @@ fn a_floor_stays_below_an_arm() {
         "{answer:?}"
     );
     let mut meets = moved(joints(), rod(1.2), floor);
-    let answer = meets
-        .prove_pair(A, OTHER, &[-PI; 2], &[PI; 2], &options)
+    let answer = RangeProver::new(&options)
+        .pair(&mut meets, A, OTHER, &[-PI; 2], &[PI; 2])
         .expect("a range");
     assert!(matches!(answer.verdict, RangeVerdict::Both { .. }), "{answer:?}");
 }
@@ -545,12 +549,14 @@ fn a_block_in_a_channel_never_meets_its_walls() {
         let mut checker = moved(joints, inner.clone(), other);
         let (low, high) = ([-1.0, -0.3], [1.0, 0.3]);
         let options = RangeOptions::default().cells(400);
-        let answer = checker.prove_pair(A, OTHER, &low, &high, &options).expect("a range");
+        let answer = RangeProver::new(&options)
+            .pair(&mut checker, A, OTHER, &low, &high)
+            .expect("a range");
         let truth = 0.5 - 0.2 * (0.3f64.cos() + 0.3f64.sin());
         assert!(answer.is_never() && answer.lower <= truth, "{answer:?}");
         // Deep in the material, and free of it.
-        let answer = checker
-            .prove_pair(A, OTHER, &[-1.0, 0.0], &[1.0, 0.0], &options)
+        let answer = RangeProver::new(&options)
+            .pair(&mut checker, A, OTHER, &[-1.0, 0.0], &[1.0, 0.0])
             .expect("a range");
         assert!(answer.is_never(), "{answer:?}");
     }
@@ -562,15 +568,17 @@ fn a_mesh_inside_a_mesh_always_meets_it() {
     let large = lin_canny::Mesh::from_convex(&cube(1.0)).expect("a mesh");
     let mut checker = moved(vec![slide(Vector3::x_axis(), [-3.0, 3.0])], small, large);
     let options = RangeOptions::default();
-    let inside = checker
-        .prove_pair(A, OTHER, &[-0.5], &[0.5], &options)
+    let inside = RangeProver::new(&options)
+        .pair(&mut checker, A, OTHER, &[-0.5], &[0.5])
         .expect("a range");
     assert_eq!(inside.verdict, RangeVerdict::Always);
-    let both = checker
-        .prove_pair(A, OTHER, &[-0.5], &[2.0], &options)
+    let both = RangeProver::new(&options)
+        .pair(&mut checker, A, OTHER, &[-0.5], &[2.0])
         .expect("a range");
     assert!(matches!(both.verdict, RangeVerdict::Both { .. }), "{both:?}");
-    let outside = checker.prove_pair(A, OTHER, &[1.2], &[3.0], &options).expect("a range");
+    let outside = RangeProver::new(&options)
+        .pair(&mut checker, A, OTHER, &[1.2], &[3.0])
+        .expect("a range");
     assert!(outside.is_never(), "{outside:?}");
 }
 
@@ -583,12 +591,12 @@ fn bodies_without_an_inside_are_answered() {
     let slide = slide(Vector3::z_axis(), [-0.5, 2.0]);
     let mut checker = moved(vec![turn, slide], segment, point);
     let options = RangeOptions::default().cells(2_000);
-    let never = checker
-        .prove_pair(A, OTHER, &[-PI, -0.5], &[PI, 0.9], &options)
+    let never = RangeProver::new(&options)
+        .pair(&mut checker, A, OTHER, &[-PI, -0.5], &[PI, 0.9])
         .expect("a range");
     assert!(never.is_never() && never.lower <= 0.1, "{never:?}");
-    let both = checker
-        .prove_pair(A, OTHER, &[-PI, -0.5], &[PI, 1.0], &options)
+    let both = RangeProver::new(&options)
+        .pair(&mut checker, A, OTHER, &[-PI, -0.5], &[PI, 1.0])
         .expect("a range");
     assert!(matches!(both.verdict, RangeVerdict::Both { .. }), "{both:?}");
 }
@@ -606,11 +614,13 @@ fn an_attached_part_is_part_of_the_robot() {
     let at = Isometry3::translation(1.0, 0.0, 0.0);
     let part = checker.attach("body", "part", cube(0.2), at, &[]).expect("a part");
     let options = RangeOptions::default();
-    let near = checker
-        .prove_pair(part, OTHER, &[-PI], &[PI], &options)
+    let near = RangeProver::new(&options)
+        .pair(&mut checker, part, OTHER, &[-PI], &[PI])
         .expect("a range");
     assert!(near.is_never() && near.lower <= 0.7, "{near:?}");
-    let answers = checker.prove_range(&[-PI], &[PI], &options).expect("a range");
+    let answers = RangeProver::new(&options)
+        .all_pairs(&mut checker, &[-PI], &[PI])
+        .expect("a range");
     assert_eq!(answers.len(), 2);
     assert!(answers.iter().all(RangeAnswer::is_never));
 }
@@ -627,17 +637,20 @@ fn a_search_that_is_stopped_goes_on_with_its_cells() {
             RangeOptions::default(),
             RangeOptions::default().width(ClearanceWidth::Share(0.2)),
         ] {
-            let whole = checker
-                .prove_pair(A, B, &low, &high, &options.cells(600))
+            let whole = RangeProver::new(&options.cells(600))
+                .pair(&mut checker, A, B, &low, &high)
                 .expect("a range");
-            let mut parts = checker
-                .prove_pair(A, B, &low, &high, &options.cells(100))
+            let mut parts = RangeProver::new(&options.cells(100))
+                .pair(&mut checker, A, B, &low, &high)
                 .expect("a range");
             for _ in 0..5 {
                 if matches!(parts.verdict, RangeVerdict::Open { .. }) {
                     resumed += 1;
                     let go = &mut |_| ControlFlow::Continue(());
-                    parts = checker.resume_range(&parts, &options.cells(100), go).expect("a range");
+                    parts = RangeProver::new(&options.cells(100))
+                        .progress(go)
+                        .resume(&mut checker, &parts)
+                        .expect("a range");
                 }
             }
             assert_eq!(whole, parts);
@@ -657,8 +670,9 @@ fn a_caller_stops_a_search() {
         lin_canny::Progress::stop_if(progress.done >= 3)
     };
     let options = RangeOptions::default().samples(5, 1);
-    let answers = checker
-        .prove_range_with_progress(&low, &high, &options, &mut stop)
+    let answers = RangeProver::new(&options)
+        .progress(&mut stop)
+        .all_pairs(&mut checker, &low, &high)
         .expect("a range");
     assert!(seen <= 3 && answers.iter().any(|a| matches!(a.verdict, RangeVerdict::Open { .. })));
 }
@@ -674,7 +688,9 @@ fn meshes_of_a_cell_hold_at_samples() {
         let [low, high] = ranges(&mut rng, arm.bounds());
         let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
         let options = RangeOptions::default().cells(60).samples(20, 1);
-        let answers = checker.prove_range(&low, &high, &options).expect("a range");
+        let answers = RangeProver::new(&options)
+            .all_pairs(&mut checker, &low, &high)
+            .expect("a range");
         let is_never = answers.iter().all(RangeAnswer::is_never);
         let always = answers.iter().any(|answer| answer.verdict == RangeVerdict::Always);
         let mut blocked = 0;
@@ -710,7 +726,11 @@ fn meshes_of_a_cell_hold_at_samples() {
 fn wrong_ranges_are_refused() {
     let mut checker = moved(vec![slide(Vector3::x_axis(), [-1.0, 1.0]); 2], cube(1.0), cube(1.0));
     let options = RangeOptions::default();
-    let mut ask = |low: [f64; 2], high: [f64; 2]| checker.prove_pair(A, OTHER, &low, &high, &options).map(|_| ());
+    let mut ask = |low: [f64; 2], high: [f64; 2]| {
+        RangeProver::new(&options)
+            .pair(&mut checker, A, OTHER, &low, &high)
+            .map(|_| ())
+    };
     let range = PlanError::Range {
         index: 1,
         low: 0.5,
@@ -727,21 +747,26 @@ fn wrong_ranges_are_refused() {
     );
     assert!(ask([f64::NAN, 0.5], [0.0, 1.0]).is_err_and(|e| e.to_string().contains("coordinate 0")));
     assert_eq!(
-        checker.prove_range(&[0.0], &[1.0], &options),
+        RangeProver::new(&options).all_pairs(&mut checker, &[0.0], &[1.0]),
         Err(PlanError::Length { expected: 2, found: 1 })
     );
-    let unknown = checker.prove_pair(A, WorldId::Obstacle(3), &[0.0; 2], &[1.0; 2], &options);
+    let unknown = RangeProver::new(&options).pair(&mut checker, A, WorldId::Obstacle(3), &[0.0; 2], &[1.0; 2]);
     assert_eq!(unknown, Err(PlanError::NoBody(WorldId::Obstacle(3))));
     assert_eq!(
-        checker.prove_pair(A, A, &[0.0; 2], &[1.0; 2], &options),
+        RangeProver::new(&options).pair(&mut checker, A, A, &[0.0; 2], &[1.0; 2]),
         Err(PlanError::NoBody(A))
     );
-    let answer = checker
-        .prove_pair(A, OTHER, &[0.0; 2], &[1.0; 2], &options)
+    let answer = RangeProver::new(&options)
+        .pair(&mut checker, A, OTHER, &[0.0; 2], &[1.0; 2])
         .expect("a range");
     let mut other = moved(vec![slide(Vector3::x_axis(), [-1.0, 1.0])], cube(1.0), cube(1.0));
     let go = &mut |_| ControlFlow::Continue(());
-    assert!(other.resume_range(&answer, &options, go).is_err());
+    assert!(
+        RangeProver::new(&options)
+            .progress(go)
+            .resume(&mut other, &answer)
+            .is_err()
+    );
     let space = RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1).expect("a space");
     let mut world = World::new();
     world.robot_body("body", cube(1.0));
@@ -749,7 +774,7 @@ fn wrong_ranges_are_refused() {
     let mut rigid = Checker::new(space, world).expect("a world");
     let q = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     assert_eq!(
-        rigid.prove_pair(A, OTHER, &q, &q, &options),
+        RangeProver::new(&options).pair(&mut rigid, A, OTHER, &q, &q),
         Err(PlanError::WithoutJoints(A))
     );
 }
@@ -768,8 +793,8 @@ fn a_swinging_rod_keeps_its_distance_to_the_width_asked_for() {
     for width in [1e-2, 1e-4, 1e-6, 1e-8] {
         let mut checker = moved(vec![turn.clone()], rod.clone(), wall.clone());
         let options = RangeOptions::default().width(ClearanceWidth::Length(width));
-        let answer = checker
-            .prove_pair(A, OTHER, &[-1.5], &[1.5], &options)
+        let answer = RangeProver::new(&options)
+            .pair(&mut checker, A, OTHER, &[-1.5], &[1.5])
             .expect("a range");
         assert!(
             answer.is_never() && answer.lower <= truth && truth <= answer.upper,

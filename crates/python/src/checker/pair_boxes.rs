@@ -4,6 +4,7 @@ use pyo3::prelude::*;
 
 use super::Checker;
 use crate::errors::plan_error;
+use lin_canny_robot::plan::PairBoxes;
 
 #[pymethods]
 impl Checker {
@@ -33,7 +34,7 @@ impl Checker {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Vec<(String, String, f64)>> {
         let found = self.proved(py, progress, |checker, watch| {
-            checker.pair_boxes_with_progress(boxes, &mut |now| watch.look(now))
+            PairBoxes::search(checker, boxes, &mut |now| watch.look(now))
         })?;
         self.checker.set_pair_boxes(&found).map_err(plan_error)?;
         let name = |id| self.checker.name(id).to_string();

@@ -3,7 +3,7 @@
 use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{
     Checker as Loaded, ClearanceWidth, ConfigurationSpace, JointTree, PlanError, RangeAnswer as Answer, RangeOptions,
-    RangeVerdict,
+    RangeProver, RangeVerdict,
 };
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -250,7 +250,9 @@ impl Checker {
     ) -> PyResult<Vec<RangeAnswer>> {
         let ([low, high], options) = (self.range_ends(low, high)?, options(cells, width, relative)?);
         let found = self.proved(py, progress, |checker, watch| {
-            checker.prove_range_with_progress(&low, &high, &options, &mut |now| watch.look(now))
+            RangeProver::new(&options)
+                .progress(&mut |now| watch.look(now))
+                .all_pairs(checker, &low, &high)
         })?;
         Ok(found.into_iter().map(|answer| self.answer(answer)).collect())
     }
@@ -276,7 +278,9 @@ impl Checker {
         let pair = self.pair_of(self.one_body(&a)?, self.one_body(&b)?)?;
         let ([low, high], options) = (self.range_ends(low, high)?, options(cells, width, relative)?);
         let found = self.proved(py, progress, |checker, watch| {
-            checker.prove_pair_with_progress(pair.a, pair.b, &low, &high, &options, &mut |now| watch.look(now))
+            RangeProver::new(&options)
+                .progress(&mut |now| watch.look(now))
+                .pair(checker, pair.a, pair.b, &low, &high)
         })?;
         Ok(self.answer(found))
     }
@@ -314,7 +318,9 @@ impl Checker {
     ) -> PyResult<RangeAnswer> {
         let (answer, options) = (&answer.get().answer, options(cells, width, relative)?);
         let found = self.proved(py, progress, |checker, watch| {
-            checker.resume_range(answer, &options, &mut |now| watch.look(now))
+            RangeProver::new(&options)
+                .progress(&mut |now| watch.look(now))
+                .resume(checker, answer)
         })?;
         Ok(self.answer(found))
     }

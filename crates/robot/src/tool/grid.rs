@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{DistanceGrid, Mesh, PointError, PointQuery, Progress};
+use lin_canny::{DistanceGrid, Mesh, PointError, PointQuery, Progress, WithProgress};
 use lin_canny_formats::{Volume, VolumeFormat};
 
 use super::end::ToolError;
@@ -45,7 +45,7 @@ impl GridOptions {
             Progress::stop_if(false)
         };
         let query = PointQuery::new(mesh);
-        let found = query.signed_distance_grid_with_progress(low, high, cells, &mut show);
+        let found = WithProgress::new(&mut show).signed_distance_grid(&query, low, high, cells);
         bar.finish_and_clear();
         let grid = found.map_err(|error| ToolError::Input {
             file: file.to_owned(),

@@ -1,7 +1,8 @@
 //! The option `--pair-boxes`: boxes of joint values in which links are apart.
 
 use clap::Args;
-use lin_canny_robot::plan::{Checker, JointTree};
+use lin_canny_robot::plan::{Checker, JointTree, PairBoxes};
+use std::ops::ControlFlow;
 
 use super::end::ToolError;
 use super::text::progress;
@@ -19,9 +20,9 @@ impl PairBoxArguments {
     pub(super) fn set(&self, checker: &mut Checker<JointTree>) -> Result<(), ToolError> {
         let Some(boxes) = self.pair_boxes else { return Ok(()) };
         let bar = progress("boxes of a pair", boxes);
-        let found = checker.pair_boxes_with_progress(boxes, &mut |now| {
+        let found = PairBoxes::search(checker, boxes, &mut |now| {
             bar.set_position(now.done as u64);
-            std::ops::ControlFlow::Continue(())
+            ControlFlow::Continue(())
         })?;
         bar.finish_and_clear();
         checker.set_pair_boxes(&found)?;

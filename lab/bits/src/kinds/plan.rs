@@ -10,9 +10,10 @@ use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Shape, Tracker};
 use lin_canny_plan::receipt::Receipt;
 use lin_canny_plan::{
     Certified, CertifyOptions, Checker, ClearanceWidth, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree,
-    PlanError, PlanOptions, PlanarSpace, RangeOptions, RigidSpace, RrtConnect, Shortcuts, SmoothOptions, Smoother,
-    TimedPoses, TranslationSpace, World, widen,
+    PlanError, PlanOptions, PlanarSpace, RangeOptions, RangeProver, RigidSpace, RrtConnect, Shortcuts, SmoothOptions,
+    Smoother, TimedPoses, TranslationSpace, World, widen,
 };
+use std::ops::ControlFlow;
 
 /// Returns the verdict with the certificates behind it.
 fn prove<C: ConfigurationSpace>(checker: &mut Checker<C>, motion: &JointMotion) -> Result<Certified, PlanError> {
@@ -234,11 +235,15 @@ pub(super) fn ranges(t: &mut Teller, r: &mut Random) {
         if k % 2 == 1 {
             options = options.width(ClearanceWidth::Share(0.1));
         }
-        let answers = checker.prove_range(&low, &high, &options).expect("a range");
+        let answers = RangeProver::new(&options)
+            .all_pairs(&mut checker, &low, &high)
+            .expect("a range");
         let open = answers.iter().find(|answer| !answer.open.is_empty()).cloned();
         t.tell("range", answers);
         if let Some(open) = open {
-            let resumed = checker.resume_range(&open, &options, &mut |_| std::ops::ControlFlow::Continue(()));
+            let resumed = RangeProver::new(&options)
+                .progress(&mut |_| ControlFlow::Continue(()))
+                .resume(&mut checker, &open);
             t.tell("resumed", resumed);
         }
         t.tell("work", checker.work());
@@ -250,7 +255,7 @@ pub(super) fn ranges(t: &mut Teller, r: &mut Random) {
         let low: Vec<f64> = q.iter().map(|x| x - 0.1).collect();
         let high: Vec<f64> = q.iter().map(|x| x + 0.1).collect();
         let options = RangeOptions::default().cells(40).samples(4, 1);
-        t.tell("rigid", checker.prove_range(&low, &high, &options));
+        t.tell("rigid", RangeProver::new(&options).all_pairs(&mut checker, &low, &high));
     }
 }
 

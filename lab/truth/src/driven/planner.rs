@@ -13,7 +13,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, Compound, Geometry, HalfSpace, Mesh, PairTracker, Piece, RelativePose, Shape};
 use lin_canny_plan::{
     Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, PlanError, RangeAnswer,
-    RangeOptions, RangeVerdict, TimedPoses, TreeJoint, Verdict, World, WorldId, WorldPair,
+    RangeOptions, RangeProver, RangeVerdict, TimedPoses, TreeJoint, Verdict, World, WorldId, WorldPair,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -429,7 +429,9 @@ impl Play {
         let low: Vec<f64> = q.iter().map(|x| (x - half).max(-3.0)).collect();
         let high: Vec<f64> = q.iter().map(|x| (x + half).min(3.0)).collect();
         let options = RangeOptions::default().cells(80).samples(6, 1);
-        let answers = self.checker.prove_range(&low, &high, &options).map_err(told)?;
+        let answers = RangeProver::new(&options)
+            .all_pairs(&mut self.checker, &low, &high)
+            .map_err(told)?;
         let mut left = self.pairs();
         for answer in &answers {
             left.retain(|pair| *pair != answer.pair);

@@ -10,7 +10,7 @@ pub(crate) mod hull;
 mod persist;
 
 use crate::base::callbacks;
-use crate::base::callbacks::{Progress, Watch};
+use crate::base::callbacks::{Watch, WithProgress};
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes, largest, smallest};
@@ -32,7 +32,6 @@ use crate::body::polyhedron::topology::Topology;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, HalfEdgeId, Plane};
 use alloc::vec::Vec;
 use core::fmt;
-use core::ops::ControlFlow;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 /// A body is flat or long if the product of its squared half axes is below this fraction of the
@@ -49,6 +48,18 @@ const MANY: usize = 2048;
 
 /// Number of largest faces for the thickness of the report.
 const WIDTHS: usize = 8;
+
+impl WithProgress<'_> {
+    /// Returns the convex hull of points as [`ConvexPolyhedron::from_points`] does.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`ConvexPolyhedron::from_points`], and [`BuildError::Stopped`] if the
+    /// callback stops the call.
+    pub fn convex_hull(mut self, points: &[Point3<f64>]) -> Result<ConvexPolyhedron, BuildError> {
+        ConvexPolyhedron::hull_watched(points, &mut self.watch)
+    }
+}
 
 impl ConvexPolyhedron {
     /// Returns the convex hull of points, in any order and any unit.
@@ -85,20 +96,6 @@ impl ConvexPolyhedron {
     #[doc(alias = "convex hull")]
     pub fn from_points(points: &[Point3<f64>]) -> Result<Self, BuildError> {
         Self::hull_watched(points, &mut Watch::none())
-    }
-
-    /// Returns the convex hull as [`from_points`](Self::from_points) does, and reports progress.
-    /// Use it for clouds of a million points.
-    ///
-    /// # Errors
-    ///
-    /// Returns the errors of [`from_points`](Self::from_points), and [`BuildError::Stopped`] if the
-    /// callback stops the call.
-    pub fn from_points_with_progress(
-        points: &[Point3<f64>],
-        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
-    ) -> Result<Self, BuildError> {
-        Self::hull_watched(points, &mut Watch::new(progress))
     }
 
     fn hull_watched(points: &[Point3<f64>], watch: &mut Watch<'_>) -> Result<Self, BuildError> {
