@@ -32,14 +32,22 @@ pub enum ContactState {
     Undecided,
 }
 
-impl core::fmt::Display for ContactState {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.pad(match self {
+impl ContactState {
+    /// Returns the name of the state: `separated`, `touching`, `overlapping` or `undecided`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
             Self::Separated => "separated",
             Self::Touching => "touching",
             Self::Overlapping => "overlapping",
             Self::Undecided => "undecided",
-        })
+        }
+    }
+}
+
+impl core::fmt::Display for ContactState {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(self.name())
     }
 }
 

@@ -11,8 +11,7 @@ use std::error::Error;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, ClearanceWidth, Drive, JointKind, JointTree, RangeOptions, RangeProver, RangeVerdict, TreeJoint, World,
-    WorldId,
+    Checker, ClearanceWidth, Drive, JointKind, JointTree, RangeOptions, RangeProver, TreeJoint, World, WorldId,
 };
 
 /// The ranges of the two turns of the arm.
@@ -46,13 +45,7 @@ fn proved(checker: &mut Checker<JointTree>, tolerance: f64) -> Result<(&'static 
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-5));
     let (part, fixture) = (WorldId::Robot(0), WorldId::Robot(1));
     let answer = RangeProver::new(&options).pair(checker, part, fixture, &low, &high)?;
-    let verdict = match answer.verdict {
-        RangeVerdict::Never => "never",
-        RangeVerdict::Both { .. } => "both",
-        RangeVerdict::Always => "always",
-        _ => "open",
-    };
-    Ok((verdict, answer.lower, answer.cells))
+    Ok((answer.verdict.name(), answer.lower, answer.cells))
 }
 
 /// Returns an arm of two turns that holds a part, before a fixture.

@@ -11,7 +11,7 @@ pub(crate) use at_poses::distances;
 #[cfg(feature = "bench")]
 pub(crate) use at_poses::rust_loop;
 pub(crate) use cast::{Cast, StartContact};
-pub(crate) use closest::{Closest, state_name};
+pub(crate) use closest::Closest;
 pub(crate) use contacts::Penetration;
 pub(crate) use pose_batch::{closest_batch, contacts_batch, penetration_batch};
 

@@ -30,14 +30,22 @@ pub enum AuditVerdict {
     Open,
 }
 
-impl std::fmt::Display for AuditVerdict {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
+impl AuditVerdict {
+    /// Returns the name of the verdict: `never`, `always`, `both` or `open`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
             Self::Never => "never",
             Self::Always => "always",
             Self::Both => "both",
             Self::Open => "open",
-        })
+        }
+    }
+}
+
+impl std::fmt::Display for AuditVerdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
     }
 }
 

@@ -90,6 +90,19 @@ pub enum RangeVerdict {
     },
 }
 
+impl RangeVerdict {
+    /// Returns the name of the verdict: `never`, `always`, `both` or `open`.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Never => "never",
+            Self::Always => "always",
+            Self::Both { .. } => "both",
+            Self::Open { .. } => "open",
+        }
+    }
+}
+
 /// A cell that is left: a box of configurations, over the coordinates that move the pair.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

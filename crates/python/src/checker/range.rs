@@ -3,7 +3,7 @@
 use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{
     Checker as Loaded, ClearanceWidth, ConfigurationSpace, JointTree, PlanError, RangeAnswer as Answer, RangeOptions,
-    RangeProver, RangeVerdict,
+    RangeProver,
 };
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -41,12 +41,7 @@ impl RangeAnswer {
     /// (`witnesses` are a configuration of each) or "open" (the budget ended before).
     #[getter]
     fn verdict(&self) -> &'static str {
-        match self.answer.verdict {
-            RangeVerdict::Never => "never",
-            RangeVerdict::Always => "always",
-            RangeVerdict::Both { .. } => "both",
-            _ => "open",
-        }
+        self.answer.verdict.name()
     }
 
     /// The name of the first body.

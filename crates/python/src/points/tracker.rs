@@ -10,7 +10,6 @@ use super::POINT;
 use crate::array::{triple, vector};
 use crate::errors::refused;
 use crate::geometry::Geometry;
-use crate::tracker::state_name;
 
 /// The closest point of a geometry to a point, with proven bounds of the signed distance.
 ///
@@ -42,7 +41,7 @@ impl ClosestPoint {
     /// or "undecided".
     #[getter]
     fn state(&self) -> &'static str {
-        state_name(self.0.state)
+        self.0.state.name()
     }
 
     /// The point of the surface that is closest, shape (3,).

@@ -10,7 +10,6 @@ use pyo3::prelude::*;
 use super::{Scene, body, group, number};
 use crate::array::{columns, triple};
 use crate::errors::scene_error;
-use crate::tracker::state_name;
 
 /// Two bodies of a scene and their closest points, in the world.
 #[pyclass(frozen, module = "lin_canny")]
@@ -69,7 +68,7 @@ impl ScenePair {
     /// "separated", "touching", "overlapping" or "undecided".
     #[getter]
     fn state(&self) -> &'static str {
-        state_name(self.outcome.state)
+        self.outcome.state.name()
     }
 
     /// The witness on the first body in the world, shape (3,).

@@ -1,22 +1,12 @@
 //! The result of a closest-points query.
 
-use lin_canny::{ContactState, PairOutcome, RelativePose};
+use lin_canny::{PairOutcome, RelativePose};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::array::triple;
 use crate::errors::refused;
-
-/// Returns the word for a contact state.
-pub(crate) fn state_name(state: ContactState) -> &'static str {
-    match state {
-        ContactState::Separated => "separated",
-        ContactState::Touching => "touching",
-        ContactState::Overlapping => "overlapping",
-        _ => "undecided",
-    }
-}
 
 /// Returns the gradients of the distance by motions of A and of B: six numbers each, linear and
 /// angular, along the axes of the world, about the origins of the bodies; zero if the depth of an
@@ -83,7 +73,7 @@ impl Closest {
     /// "separated", "touching", "overlapping" or "undecided".
     #[getter]
     fn state(&self) -> &'static str {
-        state_name(self.answer.state)
+        self.answer.state.name()
     }
 
     /// The closest features, such as "v3-f1": vertex 3 of A and face 1 of B.
@@ -139,7 +129,7 @@ impl Closest {
         let PairOutcome { outcome: o, .. } = &self.answer;
         format!(
             "<Closest {}: {:.6} in [{:.15}, {:.15}], {}>",
-            state_name(o.state),
+            o.state.name(),
             o.distance,
             o.lower,
             o.upper,

@@ -5,7 +5,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 
 use super::bodies::{Bodies, BodiesView};
-use super::closest::{gradients, state_name};
+use super::closest::gradients;
 use super::contacts::{FIELDS, Row as Contact, depth_options, manifold_options, row};
 use crate::array::{filled, of_triples, structured, words};
 use crate::batch::{Batch, Run};
@@ -162,7 +162,7 @@ pub(crate) fn closest_batch<'py>(
         (("upper", "f8", None), number(|o| o.upper)),
         (
             ("state", "U11", None),
-            words::<11>(py, found.iter().map(|o| state_name(o.state)))?,
+            words::<11>(py, found.iter().map(|o| o.state.name()))?,
         ),
         (
             ("features", "U24", None),

@@ -175,6 +175,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             false => None,
         };
         let mut cells = vec![from.to_string(), to.to_string()];
+        let name = verdict.name();
         match verdict {
             Verdict::Free { start_contacts, .. } => {
                 free += 1;
@@ -186,7 +187,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
                     };
                     bar.suspend(|| say!("{unit} {from} to {to}: {a} - {b} {until}"));
                 }
-                cells.extend(["free", "1", "", "", "", ""].map(String::from));
+                cells.extend([name, "1", "", "", "", ""].map(String::from));
             }
             Verdict::Blocked {
                 contact_at: t, pair, ..
@@ -202,13 +203,13 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
                 let apart = fraction_below(safe);
                 bar.suspend(|| say!("{unit} {from} to {to}: {a} - {b} {meet} {at}, free to {apart}"));
                 let time = time.map_or(String::new(), |time| time.to_string());
-                cells.extend(["blocked".into(), safe.to_string(), t.to_string(), time, a, b]);
+                cells.extend([name.into(), safe.to_string(), t.to_string(), time, a, b]);
                 end = end.max(End::Blocked);
             }
             _ => {
                 let apart = fraction_below(safe);
                 bar.suspend(|| say!("{unit} {from} to {to}: undecided from {apart} of the segment on"));
-                cells.extend(["undecided".into(), safe.to_string()]);
+                cells.extend([name.into(), safe.to_string()]);
                 cells.extend(["", "", "", ""].map(String::from));
                 end = end.max(End::Unknown);
             }

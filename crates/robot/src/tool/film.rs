@@ -154,7 +154,7 @@ fn at(curve: &JointCurve, t: f64, coordinates: &[Coordinate]) -> Vec<f64> {
 /// Returns a verdict in words.
 fn told(checker: &Checker<JointTree>, path: &Trajectory, k: usize, verdict: &Verdict) -> String {
     match verdict {
-        Verdict::Free { .. } => "free".into(),
+        Verdict::Free { .. } => verdict.name().into(),
         Verdict::Blocked {
             contact_at: t, pair, ..
         } => {

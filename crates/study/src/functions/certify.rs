@@ -48,27 +48,20 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
 
 /// Returns the fields of a verdict.
 pub(super) fn values(checker: &Checker<JointTree>, verdict: &Verdict) -> Vec<Value> {
-    let safe = Value::Number(verdict.free_until());
+    let (name, safe) = (Value::word(verdict.name()), Value::Number(verdict.free_until()));
     match verdict {
-        Verdict::Free { start_contacts, .. } if start_contacts.is_empty() => vec![Value::word("free"), safe],
+        Verdict::Free { start_contacts, .. } if start_contacts.is_empty() => vec![name, safe],
         Verdict::Free { start_contacts, .. } => {
             let pairs = start_contacts
                 .iter()
                 .map(|leaving| checker.show(&leaving.pair).to_string());
             let pairs = pairs.collect::<Vec<_>>().join(", ");
-            vec![
-                Value::word("free"),
-                safe,
-                Value::Null,
-                Value::Null,
-                Value::Null,
-                Value::Word(pairs),
-            ]
+            vec![name, safe, Value::Null, Value::Null, Value::Null, Value::Word(pairs)]
         }
         Verdict::Blocked { contact_at, pair, .. } => {
             let [a, b] = [pair.a, pair.b].map(|part| Value::word(checker.name(part)));
-            vec![Value::word("blocked"), safe, Value::Number(*contact_at), a, b]
+            vec![name, safe, Value::Number(*contact_at), a, b]
         }
-        _ => vec![Value::word("undecided"), safe],
+        _ => vec![name, safe],
     }
 }
