@@ -143,7 +143,9 @@ impl Tally {
         self.surfaces += 1;
         let mut world = World::new();
         world.robot_body("robot", Geometry::from(n.clone()));
-        world.obstacle("bent", Geometry::from(m.clone()), Isometry3::identity());
+        world
+            .add_obstacle("bent", Geometry::from(m.clone()), Isometry3::identity())
+            .expect("an obstacle");
         let space = RigidSpace::new([[-60.0, 60.0]; 3], 1.0, 1).unwrap();
         let mut checker = Checker::new(space, world).unwrap();
         let meets = apart(a, b, pose).0 == RBig::ZERO || is_held((a, m), (b, n), pose);

@@ -372,7 +372,7 @@ pub unsafe extern "C" fn lc_checker_obstacle_add(
         let out = unsafe { Place::new(out, "out") }?;
         let geometry = shared(geometry)?;
         with(checker, |object| {
-            let added = each!(&mut object.checker, c => c.add_obstacle(name, geometry, pose));
+            let added = each!(&mut object.checker, c => c.world_mut().add_obstacle(name, geometry, pose));
             out.write(number(added.map_err(refused)?));
             Ok(())
         })
@@ -393,7 +393,7 @@ pub unsafe extern "C" fn lc_checker_obstacle_move(
         // SAFETY: by the caller's contract.
         let pose = isometry(&unsafe { Given::one(pose, "pose") }?);
         with(checker, |object| {
-            each!(&mut object.checker, c => c.move_obstacle(id(obstacle), pose)).map_err(refused)?;
+            each!(&mut object.checker, c => c.world_mut().move_obstacle(id(obstacle), pose)).map_err(refused)?;
             Ok(())
         })
     })
@@ -405,8 +405,10 @@ pub extern "C" fn lc_checker_remove(checker: lc_checker, body: lc_world_body) ->
     guarded(|| {
         with(checker, |object| {
             let done = match id(body) {
-                body @ lin_canny_plan::WorldId::Attached(_) => each!(&mut object.checker, c => c.detach(body)),
-                body => each!(&mut object.checker, c => c.remove_obstacle(body)),
+                body @ lin_canny_plan::WorldId::Attached(_) => {
+                    each!(&mut object.checker, c => c.world_mut().detach(body))
+                }
+                body => each!(&mut object.checker, c => c.world_mut().remove_obstacle(body)),
             };
             done.map_err(refused)?;
             Ok(())
@@ -451,7 +453,7 @@ pub unsafe extern "C" fn lc_checker_attach(
         }
         let geometry = shared(geometry)?;
         with(checker, |object| {
-            let added = each!(&mut object.checker, c => c.attach(link, name, geometry, pose, &touch));
+            let added = each!(&mut object.checker, c => c.world_mut().attach(link, name, geometry, pose, &touch));
             out.write(number(added.map_err(refused)?));
             Ok(())
         })
@@ -470,8 +472,8 @@ pub extern "C" fn lc_checker_exclude(
         with(checker, |object| {
             let (a, b) = (id(a), id(b));
             let done = match excluded {
-                0 => each!(&mut object.checker, c => c.include(a, b)),
-                _ => each!(&mut object.checker, c => c.exclude(a, b)),
+                0 => each!(&mut object.checker, c => c.world_mut().include(a, b)),
+                _ => each!(&mut object.checker, c => c.world_mut().exclude(a, b)),
             };
             done.map_err(refused)?;
             Ok(())
@@ -484,7 +486,7 @@ pub extern "C" fn lc_checker_exclude(
 pub extern "C" fn lc_checker_set_margin(checker: lc_checker, margin: f64) -> lc_status {
     guarded(|| {
         with(checker, |object| {
-            each!(&mut object.checker, c => c.set_margin(margin)).map_err(refused)
+            each!(&mut object.checker, c => c.world_mut().set_margin(margin)).map_err(refused)
         })
     })
 }
@@ -500,7 +502,7 @@ pub extern "C" fn lc_checker_set_pair_margin(
     guarded(|| {
         with(checker, |object| {
             let margin = (!(margin < 0.0)).then_some(margin);
-            each!(&mut object.checker, c => c.set_pair_margin(id(a), id(b), margin)).map_err(refused)?;
+            each!(&mut object.checker, c => c.world_mut().set_pair_margin(id(a), id(b), margin)).map_err(refused)?;
             Ok(())
         })
     })

@@ -96,7 +96,9 @@ fn job(file: &Value) -> Result<Job, String> {
         world.robot_body(format!("robot[{k}]"), hull);
     }
     for (k, hull) in hulls(&file["obstacles"], "obstacles")?.into_iter().enumerate() {
-        world.obstacle(format!("obstacles[{k}]"), Geometry::from(hull), Isometry3::identity());
+        world
+            .add_obstacle(format!("obstacles[{k}]"), Geometry::from(hull), Isometry3::identity())
+            .map_err(|e| e.to_string())?;
     }
     let [low, high] = bounds(&file["bounds"])?;
     let space = RigidSpace::new(

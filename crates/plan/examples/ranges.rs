@@ -55,6 +55,6 @@ fn arm(joints: usize) -> Result<Checker<JointTree>, Box<dyn Error>> {
         rod.transformed(&Isometry3::translation(0.5 * length, 0.0, 0.0))?,
     );
     let wall = solids::cuboid(Vector3::new(0.1, 2.0, 2.0))?;
-    world.obstacle("wall", wall, Isometry3::translation(1.3, 0.0, 0.0));
+    world.add_obstacle("wall", wall, Isometry3::translation(1.3, 0.0, 0.0))?;
     Ok(Checker::new(arm, world)?)
 }

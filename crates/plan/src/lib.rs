@@ -18,7 +18,7 @@
 //! let block = solids::cuboid(Vector3::new(0.2, 1.0, 2.0))?;
 //! for (name, y) in [("left", 1.2), ("right", -1.2)] {
 //!     let at = Isometry3::translation(0.0, y, 0.0);
-//!     world.obstacle(name, block.clone(), at);
+//!     world.add_obstacle(name, block.clone(), at)?;
 //! }
 //! let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.5, 1)?;
 //! let mut checker = Checker::new(space, world)?;
@@ -42,7 +42,7 @@
 //! | And with a tracking error of each joint? | [`JointMotion::with_tube`]; [`Checker::tube_contact`] | [`Verdict`] for all motions within the error; a contact within it |
 //! | Are all motions near a segment free? | [`JointMotion::with_radius`] | [`Verdict`] for all motions within a distance of the segment |
 //! | How does a robot execute a path smoothly, within its limits? | [`Smoother`] | rows of times, positions and velocities, and curves proven free |
-//! | And among obstacles that move? | [`World::moving_obstacle`], [`JointMotion::with_times`] | [`Verdict`] on one clock |
+//! | And among obstacles that move? | [`World::add_moving_obstacle`], [`JointMotion::with_times`] | [`Verdict`] on one clock |
 //! | Why is a motion free? | [`Checker::certify_with`] | the certificates of every pair, in order of time |
 //! | How does somebody else check it? | [`Receipt::motion`](receipt::Receipt::motion) | a text that proves it without this library: see [`receipt`] |
 //! | How large is the clearance along a motion? | [`Checker::clearance_along`] | a proven lower bound, and a distance that is attained |
@@ -54,13 +54,15 @@
 //!
 //! # A world that changes
 //!
+//! A world is changed before its checker is made, or in the checker by [`Checker::world_mut`].
+//!
 //! | change | function |
 //! |---|---|
-//! | obstacles | [`Checker::add_obstacle`], [`move_obstacle`](Checker::move_obstacle), [`replace_obstacle`](Checker::replace_obstacle), [`remove_obstacle`](Checker::remove_obstacle) |
-//! | obstacles that move, and the time of configurations | [`Checker::add_moving_obstacle`], [`set_time`](Checker::set_time) |
-//! | objects that a link carries | [`Checker::attach`], [`detach`](Checker::detach), [`detach_at`](Checker::detach_at) |
-//! | what pairs must keep | [`Checker::set_margin`], [`pad`](Checker::pad), [`set_pair_margin`](Checker::set_pair_margin) |
-//! | pairs that may touch | [`Checker::exclude`], [`include`](Checker::include), [`World::excluded`] |
+//! | obstacles | [`World::add_obstacle`], [`move_obstacle`](World::move_obstacle), [`replace_obstacle`](World::replace_obstacle), [`remove_obstacle`](World::remove_obstacle) |
+//! | obstacles that move, and the time of configurations | [`World::add_moving_obstacle`], [`Checker::set_time`] |
+//! | objects that a link carries | [`World::attach`], [`detach`](World::detach), [`Checker::detach_at`] |
+//! | what pairs must keep | [`World::set_margin`], [`pad`](World::pad), [`set_pair_margin`](World::set_pair_margin) |
+//! | pairs that may touch | [`World::exclude`], [`include`](World::include), [`excluded`](World::excluded) |
 //!
 //! A change costs no more than the pairs of the changed body, and all other trackers stay warm. A
 //! name acts on all bodies that have it. Ids are never used again.

@@ -309,7 +309,10 @@ fn a_proof_of_a_library_that_errs_is_refused() {
             .expect("a scene")
             .to_string();
         let elsewhere = Isometry3::translation(0.0, 0.0, -3.0);
-        checker.move_obstacle(pair.b, elsewhere).expect("an obstacle");
+        checker
+            .world_mut()
+            .move_obstacle(pair.b, elsewhere)
+            .expect("an obstacle");
         if !checker
             .certify(&JointMotion::segment(&from, &to))
             .expect("a segment")
@@ -400,13 +403,17 @@ fn bodies_that_move_as_one_have_receipts() {
         world.robot_body("ball", Shape::ball(0.15).expect("a ball"));
         let block = solids::cuboid(Vector3::new(0.2, 1.0, 2.0)).expect("a box");
         for y in [1.3, -1.3] {
-            world.obstacle("wall", block.clone(), Isometry3::translation(0.0, y, 0.0));
+            world
+                .add_obstacle("wall", block.clone(), Isometry3::translation(0.0, y, 0.0))
+                .expect("an obstacle");
         }
-        world.obstacle(
-            "knob",
-            Shape::ball(0.2).expect("a ball"),
-            Isometry3::translation(1.0, 0.3, 0.0),
-        );
+        world
+            .add_obstacle(
+                "knob",
+                Shape::ball(0.2).expect("a ball"),
+                Isometry3::translation(1.0, 0.3, 0.0),
+            )
+            .expect("an obstacle");
         world.set_margin(0.01).expect("a margin");
         world
     };
@@ -483,16 +490,20 @@ fn a_tree_with_attached_objects_and_margins_has_receipts() {
             &["hand"],
         )
         .expect("a link");
-    world.obstacle(
-        "post",
-        solids::prism(7, 0.5, 0.1).expect("a prism"),
-        Isometry3::translation(0.9, 0.5, 0.5),
-    );
-    world.obstacle(
-        "cone",
-        Shape::cone(0.2, 0.1).expect("a cone"),
-        Isometry3::translation(-0.4, -0.9, 0.7),
-    );
+    world
+        .add_obstacle(
+            "post",
+            solids::prism(7, 0.5, 0.1).expect("a prism"),
+            Isometry3::translation(0.9, 0.5, 0.5),
+        )
+        .expect("an obstacle");
+    world
+        .add_obstacle(
+            "cone",
+            Shape::cone(0.2, 0.1).expect("a cone"),
+            Isometry3::translation(-0.4, -0.9, 0.7),
+        )
+        .expect("an obstacle");
     world.set_margin(0.002).expect("a margin");
     world.pad("post", 0.01).expect("a body");
     world.set_pair_margin("hand", "cone", Some(0.03)).expect("a pair");
@@ -595,7 +606,9 @@ fn what_has_no_receipt_is_an_error_with_a_name() {
     let refused = |geometry: Geometry| {
         let mut world = World::new();
         world.robot_body("die", die.clone());
-        world.obstacle("thing", geometry, Isometry3::translation(0.0, 0.0, -5.0));
+        world
+            .add_obstacle("thing", geometry, Isometry3::translation(0.0, 0.0, -5.0))
+            .expect("an obstacle");
         let mut checker = Checker::new(space(), world).expect("a world");
         Receipt::motion(&mut checker, &JointMotion::segment(&[0.0; 3], &[1.0, 0.0, 0.0]))
             .unwrap_err()
@@ -609,7 +622,9 @@ fn what_has_no_receipt_is_an_error_with_a_name() {
     // A contact at the start that is left, and a path of a rigid body.
     let mut world = World::new();
     world.robot_body("die", die.clone());
-    world.obstacle("table", die.clone(), Isometry3::translation(0.0, 0.0, -1.0));
+    world
+        .add_obstacle("table", die.clone(), Isometry3::translation(0.0, 0.0, -1.0))
+        .expect("an obstacle");
     let mut checker = Checker::new(space(), world).expect("a world");
     checker.set_start_contact_margin(Some(1e-3)).expect("a margin");
     let (down, up) = ([0.0; 3], [0.0, 0.0, 2.0]);

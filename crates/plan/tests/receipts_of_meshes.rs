@@ -52,7 +52,9 @@ fn moved(rod: Geometry, around: Geometry) -> Checker<TranslationSpace> {
     let space = TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
     let mut world = World::new();
     world.robot_body("rod", rod);
-    world.obstacle("frame", around, Isometry3::identity());
+    world
+        .add_obstacle("frame", around, Isometry3::identity())
+        .expect("an obstacle");
     Checker::new(space, world).expect("a world")
 }
 
@@ -350,7 +352,9 @@ fn ranges_of_meshes_and_compounds_have_receipts() {
             let arm = JointTree::serial(origin, joints, vec![2], 1.0).expect("an arm");
             let mut world = World::new();
             world.robot_body("rod", rod(kind));
-            world.obstacle("frame", around.clone(), origin);
+            world
+                .add_obstacle("frame", around.clone(), origin)
+                .expect("an obstacle");
             let mut checker = Checker::new(arm, world).expect("a world");
             // In the hole, and from above it through the hole.
             for (low, inside) in [([-0.2, -1.0], true), ([-2.0, -0.5], false)] {

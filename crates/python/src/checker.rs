@@ -191,12 +191,12 @@ impl Checker {
     /// The distance that pairs without a margin of their own must keep to be free, a length.
     #[getter]
     fn margin(&self) -> f64 {
-        self.checker.margin()
+        self.checker.world().margin()
     }
 
     #[setter]
     fn set_margin(&mut self, margin: f64) -> PyResult<()> {
-        self.checker.set_margin(margin).map_err(plan_error)
+        self.checker.world_mut().set_margin(margin).map_err(plan_error)
     }
 
     /// The distance within which a contact at the start of a segment is accepted, or None.

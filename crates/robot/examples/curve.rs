@@ -79,7 +79,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let at = |z: f64, turn: f64| Isometry3::new(Vector3::new(0.62, -0.35, z), Vector3::z() * turn);
     let lowered = [at(1.5, 0.0), at(0.45, FRAC_PI_2), at(0.45, FRAC_PI_2)];
     let poses = TimedPoses::new(&[0.0, 2.0, 9.0], &lowered)?;
-    checker.add_moving_obstacle("crate", solids::cuboid(Vector3::repeat(0.1))?, poses)?;
+    checker
+        .world_mut()
+        .add_moving_obstacle("crate", solids::cuboid(Vector3::repeat(0.1))?, poses)?;
     let times = trajectory.times.ok_or("the points have times")?;
     for delay in [0.0, 1.0, 2.0] {
         let times: Vec<f64> = times.iter().map(|time| time + delay).collect();

@@ -76,7 +76,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
         began.elapsed()
     );
     let mut checker = cell(hood)?;
-    checker.pad("post", 0.01)?;
+    checker.world_mut().pad("post", 0.01)?;
 
     let home = [-0.6, -0.6, 2.2, 0.0, PI - 1.6, 0.0];
     let taken = upwards(TAKEN);
@@ -97,8 +97,10 @@ fn run(options: &Options) -> Result<(), Trouble> {
     let pose = *checker.world().obstacle_pose(part).ok_or("no part")?;
     let shape = checker.world().geometry(part).ok_or("no part")?.clone();
     let grip = checker.link_pose("gripper", &taken[0])?.inverse() * pose;
-    checker.remove_obstacle(part)?;
-    checker.attach("gripper", "part", shape, grip, &["gripper"])?;
+    checker.world_mut().remove_obstacle(part)?;
+    checker
+        .world_mut()
+        .attach("gripper", "part", shape, grip, &["gripper"])?;
 
     proven(&mut checker, "lift", &taken)?;
     film.show(&mut checker, "lift", &taken)?;

@@ -97,8 +97,8 @@ impl Cell {
     /// setup.exclude_adjacent();
     /// let mut checker = setup.checker()?;
     /// let floor = HalfSpace::new(Vector3::z(), -0.1)?;
-    /// checker.add_obstacle("floor", floor, Isometry3::identity())?;
-    /// checker.pad("floor", 0.01)?;
+    /// checker.world_mut().add_obstacle("floor", floor, Isometry3::identity())?;
+    /// checker.world_mut().pad("floor", 0.01)?;
     /// let text = Cell::from_world(checker.world()).to_json()?;
     ///
     /// let (packages, options) = (Packages::default(), LoadOptions::default());

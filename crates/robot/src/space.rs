@@ -215,14 +215,14 @@ impl Setup {
         self.obstacles.push((name.into(), geometry.into(), pose));
     }
 
-    /// Adds an obstacle that moves: see [`World::moving_obstacle`].
+    /// Adds an obstacle that moves: see [`World::add_moving_obstacle`].
     pub fn moving_obstacle(&mut self, name: impl Into<String>, geometry: impl Into<Geometry>, poses: TimedPoses) {
         let first = poses.poses()[0];
         self.motions.insert(self.obstacles.len(), poses);
         self.obstacle(name, geometry, first);
     }
 
-    /// Attaches an object to a link: see [`Checker::attach`].
+    /// Attaches an object to a link: see [`World::attach`].
     ///
     /// If the link or a touch link does not exist, [`checker`](Self::checker) returns an error.
     pub fn attach(&mut self, link: impl Into<String>, object: AttachedBody) {
@@ -231,7 +231,7 @@ impl Setup {
     }
 
     /// Sets the padding of a link, an obstacle or an attached object, in the unit of the files: see
-    /// [`Checker::pad`].
+    /// [`World::pad`].
     ///
     /// If the name does not exist or the padding is negative, [`checker`](Self::checker) returns an
     /// error.
@@ -435,7 +435,7 @@ impl Setup {
 
     /// Returns the checker of all robots among the obstacles.
     ///
-    /// Objects can be [attached](Checker::attach) to every link by its name, also to links without
+    /// Objects can be [attached](World::attach) to every link by its name, also to links without
     /// bodies: in the space of the checker, bodies without geometry come last, one for the frame of
     /// each link that is not the frame of a body.
     ///
@@ -447,8 +447,8 @@ impl Setup {
         let mut world = shared.world.clone();
         for (k, (name, geometry, pose)) in self.obstacles.iter().enumerate() {
             match self.motions.get(&k) {
-                Some(poses) => world.moving_obstacle(name, geometry.clone(), poses.clone()),
-                None => world.obstacle(name, geometry.clone(), *pose),
+                Some(poses) => world.add_moving_obstacle(name, geometry.clone(), poses.clone())?,
+                None => world.add_obstacle(name, geometry.clone(), *pose)?,
             };
         }
         let is_at_rest = |pair: WorldPair| match (pair.a, pair.b) {

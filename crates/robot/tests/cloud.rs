@@ -66,18 +66,20 @@ fn checker(holder: &Holder, points: &[[f32; 3]]) -> Checker<JointTree> {
     let mut checker = setup.checker().expect("a checker");
     let cloud = Cloud::from_f32(points, CloudElement::Ball(RADIUS)).expect("points");
     checker
+        .world_mut()
         .add_obstacle("camera", cloud, Isometry3::identity())
         .expect("an obstacle");
     let part = solids::cuboid(Vector3::new(0.03, 0.03, 0.06)).expect("a box");
     let at = Isometry3::translation(0.0, 0.0, 0.14);
     checker
+        .world_mut()
         .attach(holder.hand, "part", part, at, holder.touching)
         .expect("a link");
-    checker.exclude(holder.base, "camera").expect("both");
+    checker.world_mut().exclude(holder.base, "camera").expect("both");
     let own: Vec<WorldId> = checker.world().bodies().map(|b| b.0).filter(is_own).collect();
     for (k, a) in own.iter().enumerate() {
         for b in &own[k + 1..] {
-            checker.exclude(*a, *b).expect("both");
+            checker.world_mut().exclude(*a, *b).expect("both");
         }
     }
     checker

@@ -45,6 +45,7 @@ fn add_obstacles(checker: &mut Checker<JointTree>, size: f64, rng: &mut Rng) {
         };
         let at = random_isometry(rng, 6.0 * size);
         checker
+            .world_mut()
             .add_obstacle(format!("obstacle {k}"), geometry, at)
             .expect("an obstacle");
     }

@@ -581,7 +581,10 @@ fn objects_are_attached_to_links_whose_bodies_have_other_frames() {
     let grip = Isometry3::translation(0.0, 0.0, 0.12);
     let fingers = ["left finger", "right finger"];
     let part = lin_canny::Shape::ball(0.02).expect("a ball");
-    let id = checker.attach("gripper", "part", part, grip, &fingers).expect("a part");
+    let id = checker
+        .world_mut()
+        .attach("gripper", "part", part, grip, &fingers)
+        .expect("a part");
     for _ in 0..20 {
         let q = sample(checker.space(), &mut random);
         let link = places(&robot, &Isometry3::identity(), &q)[robot.link("gripper").expect("a link")];
@@ -595,7 +598,7 @@ fn objects_are_attached_to_links_whose_bodies_have_other_frames() {
         names.retain(|name| fingers.contains(name) || *name == "gripper");
         assert_eq!(names, [""; 0]);
     }
-    let error = checker.attach(
+    let error = checker.world_mut().attach(
         "griper",
         "part",
         lin_canny::Shape::ball(0.1).expect("a ball"),

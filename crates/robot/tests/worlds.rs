@@ -113,36 +113,48 @@ fn sample(rng: &mut Rng) -> Vec<f64> {
     vec![rng.range(-2.5, 2.5), rng.range(-2.5, 2.5), rng.range(0.0, 0.3)]
 }
 
-/// Makes a random change, which may be refused.
+/// Makes random changes, which may be refused: one, or several at once.
 fn change(checker: &mut Checker<JointTree>, rng: &mut Rng) {
+    if rng.below(14) == 0 {
+        let (name, q) = (*rng.pick(&["a", "b", "c", "upper"]), sample(rng));
+        let _ = checker.detach_at(name, &q);
+        return;
+    }
+    let mut world = checker.world_mut();
+    for _ in 0..*rng.pick(&[1, 1, 1, 3]) {
+        change_world(&mut world, rng);
+    }
+}
+
+fn change_world(world: &mut World, rng: &mut Rng) {
     let names = ["a", "b", "c", "upper", "fore", "hand", "tool", "nobody"];
     let name = *rng.pick(&names[..4]);
     let [one, two] = [*rng.pick(&names), *rng.pick(&names)];
-    let all: Vec<WorldId> = checker.world().bodies().map(|b| b.0).collect();
+    let all: Vec<WorldId> = world.bodies().map(|b| b.0).collect();
     let [id, other] = [*rng.pick(&all), *rng.pick(&all)];
     let link = *rng.pick(&names[3..]);
     let _ = match rng.below(14) {
-        0 | 1 => checker
+        0 | 1 => world
             .add_obstacle(name, geometry(rng, false), pose(rng, 1.6))
             .map(|_| ()),
-        2 => checker.move_obstacle(name, pose(rng, 1.6)).map(|_| ()),
-        3 => checker.move_obstacle(id, pose(rng, 1.6)).map(|_| ()),
-        4 => checker.replace_obstacle(id, geometry(rng, false)).map(|_| ()),
-        5 => checker
+        2 => world.move_obstacle(name, pose(rng, 1.6)).map(|_| ()),
+        3 => world.move_obstacle(id, pose(rng, 1.6)).map(|_| ()),
+        4 => world.replace_obstacle(id, geometry(rng, false)).map(|_| ()),
+        5 => world
             .remove_obstacle(if rng.below(4) == 0 { name } else { "c" })
             .map(|_| ()),
-        6 => checker
+        6 => world
             .attach(link, name, geometry(rng, true), pose(rng, 0.2), &[one])
             .map(|_| ()),
-        7 => checker.detach(name).map(|_| ()),
-        8 => checker.detach_at(name, &sample(rng)).map(|_| ()),
-        9 => checker.pad(one, *rng.pick(&[0.0, 0.01, 0.2])).map(|_| ()),
-        10 => checker.pad(id, 0.03).map(|_| ()),
-        11 => checker
+        7 => world.detach(name).map(|_| ()),
+        8 => world.set_margin(*rng.pick(&[0.0, 0.02])),
+        9 => world.pad(one, *rng.pick(&[0.0, 0.01, 0.2])).map(|_| ()),
+        10 => world.pad(id, 0.03).map(|_| ()),
+        11 => world
             .set_pair_margin(one, id, *rng.pick(&[None, Some(0.0), Some(0.05)]))
             .map(|_| ()),
-        12 => checker.exclude(one, two).and(checker.exclude(id, other)).map(|_| ()),
-        _ => checker.include(one, id).map(|_| ()),
+        12 => world.exclude(one, two).and(world.exclude(id, other)).map(|_| ()),
+        _ => world.include(one, id).map(|_| ()),
     };
 }
 
@@ -182,7 +194,7 @@ fn judge(sequences: usize, changes: usize, seed: u64) {
     for k in 0..sequences {
         let mut rng = Rng::new(seed + k as u64);
         let mut checker = setup().checker().expect("a checker");
-        checker.set_margin(0.02).expect("a margin");
+        checker.world_mut().set_margin(0.02).expect("a margin");
         for step in 0..changes {
             change(&mut checker, &mut rng);
             let mut loaded = reloaded(checker.world());
@@ -236,13 +248,17 @@ fn solids_have_their_names_in_the_file() {
         ("e", HalfSpace::new(Vector3::z(), -2.5).expect("a half-space").into()),
         ("e", Mesh::from_convex(&block).expect("a mesh").into()),
     ] {
-        checker.add_obstacle(name, geometry, at).expect("an obstacle");
+        checker
+            .world_mut()
+            .add_obstacle(name, geometry, at)
+            .expect("an obstacle");
     }
-    checker.pad("e", 0.01).expect("a padding");
-    checker.pad("a", 0.02).expect("a padding");
-    checker.include("upper", "fore").expect("links");
-    checker.exclude("hand", "e").expect("bodies");
+    checker.world_mut().pad("e", 0.01).expect("a padding");
+    checker.world_mut().pad("a", 0.02).expect("a padding");
+    checker.world_mut().include("upper", "fore").expect("links");
+    checker.world_mut().exclude("hand", "e").expect("bodies");
     checker
+        .world_mut()
         .exclude(WorldId::Robot(1), WorldId::Obstacle(0))
         .expect("bodies");
     let text = Cell::from_world(checker.world()).to_json().expect("a world");
@@ -322,8 +338,9 @@ fn wrong_worlds_are_named() {
         );
     }
     let mut checker = checker(r#""margin": 0.1"#).expect("a checker");
-    assert_eq!(checker.margin(), 0.1);
+    assert_eq!(checker.world().margin(), 0.1);
     checker
+        .world_mut()
         .add_obstacle(
             "x",
             Shape::ball(1.0).expect("a ball"),
@@ -343,9 +360,11 @@ fn a_recording_shows_the_world_as_it_is_in_each_frame() {
     let at = |x: f64| Isometry3::translation(x, 0.0, 2.0);
     let ball = Geometry::from(Shape::ball(0.1).expect("a ball"));
     checker
+        .world_mut()
         .add_obstacle("part", ball.clone(), at(0.0))
         .expect("an obstacle");
     checker
+        .world_mut()
         .add_obstacle("post", ball.clone(), at(1.0))
         .expect("an obstacle");
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("changes.jsonl");
@@ -356,19 +375,21 @@ fn a_recording_shows_the_world_as_it_is_in_each_frame() {
     };
     frame(&mut checker);
     // The part stays the same body when a link takes it and puts it down.
-    checker.remove_obstacle("part").expect("a part");
+    checker.world_mut().remove_obstacle("part").expect("a part");
     checker
+        .world_mut()
         .attach("tool", "part", ball.clone(), at(0.0), &[])
         .expect("a part");
     frame(&mut checker);
     checker.detach_at("part", &q).expect("a part");
-    checker.move_obstacle("post", at(2.0)).expect("a post");
+    checker.world_mut().move_obstacle("post", at(2.0)).expect("a post");
     frame(&mut checker);
     checker
+        .world_mut()
         .replace_obstacle("post", Shape::ball(0.2).expect("a ball"))
         .expect("a post");
     frame(&mut checker);
-    checker.remove_obstacle("part").expect("a part");
+    checker.world_mut().remove_obstacle("part").expect("a part");
     frame(&mut checker);
     recorder.finish().expect("a file");
     let recording = Recording::open(&file).expect("a recording");

@@ -100,7 +100,7 @@ impl Cell {
             world.robot_body(format!("link {k}"), mesh(link));
         }
         for (k, (soup, pose)) in self.obstacles.iter().enumerate() {
-            world.obstacle(k, mesh(soup), *pose);
+            world.add_obstacle(k, mesh(soup), *pose).expect("an obstacle");
         }
         for k in 0..6 {
             let names = [k, k + 1].map(|k| format!("link {k}"));

@@ -43,7 +43,7 @@ impl Room {
         let mut world = World::new();
         world.robot_body("robot", self.robot.clone());
         for (k, (hull, pose)) in self.hulls.iter().enumerate() {
-            world.obstacle(k, hull.clone(), *pose);
+            world.add_obstacle(k, hull.clone(), *pose).expect("an obstacle");
         }
         world
     }

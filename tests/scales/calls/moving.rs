@@ -61,7 +61,9 @@ fn room(scene: &Scene, rng: &mut Rng) -> (Checker<TranslationSpace>, Vec<[f64; 3
     let mut world = World::new();
     world.robot_body("robot", scene.round(rng, 20));
     for k in 0..4 {
-        world.obstacle(format!("obstacle {k}"), scene.round(rng, 20), scene.place(rng, 4.0));
+        world
+            .add_obstacle(format!("obstacle {k}"), scene.round(rng, 20), scene.place(rng, 4.0))
+            .expect("an obstacle");
     }
     let reach = 4.0 * scene.unit;
     let space = TranslationSpace::new([[-reach, reach]; 3], Default::default(), 1).expect("a space");

@@ -31,7 +31,7 @@ fn body(radius: f64) -> (World, lc_checker) {
 fn add_obstacles<C: ConfigurationSpace>(rust: &mut Checker<C>, c: lc_checker, random: &mut Random) {
     for (k, (geometry, handle)) in geometries().iter().enumerate().take(9) {
         let (pose, name) = (random.pose(3.0), format!("obstacle {k}"));
-        rust.add_obstacle(&name, geometry.clone(), pose).unwrap();
+        rust.world_mut().add_obstacle(&name, geometry.clone(), pose).unwrap();
         let name = CString::new(name).unwrap();
         // SAFETY: a text, a pose and a place for an id.
         written(|out| unsafe { lc_checker_obstacle_add(c, name.as_ptr(), *handle, &of(&pose), out) });

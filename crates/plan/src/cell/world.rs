@@ -14,6 +14,9 @@ use crate::extremes::Extremes;
 use crate::motion::timed_poses::TimedPoses;
 use crate::names::nearest_name;
 use crate::names::{Select, WorldId, WorldPair};
+use lin_canny::broad::Aabb;
+use lin_canny::motion::{Steady, Velocity};
+use lin_canny::polyhedron::BoxHint;
 use lin_canny::{EXTENT_MAX, Geometry, GeometryKind, RelativePose, normalize_rotation};
 
 /// The bodies of a robot, objects attached to it, and obstacles, of any kind of geometry.
@@ -21,9 +24,10 @@ use lin_canny::{EXTENT_MAX, Geometry, GeometryKind, RelativePose, normalize_rota
 /// Robot bodies must be added in the order of the bodies of the configuration space. The geometry
 /// of a rigid robot is in the frame of the robot, the geometry of an arm in the frame of its link.
 ///
-/// A world changes at any time. Ids of attached objects and obstacles are never used again, so an
-/// id names the same body for ever, or is an error. A [`Checker`](crate::Checker) has the same
-/// methods for its world, and `Checker::new(space, checker.world().clone())` has the same ids.
+/// A world changes at any time, that of a checker by
+/// [`Checker::world_mut`](crate::Checker::world_mut). Ids of attached objects and obstacles are never
+/// used again, so an id names the same body for ever, or is an error:
+/// `Checker::new(space, checker.world().clone())` has the same ids.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "StoredWorld", into = "StoredWorld"))]
@@ -44,6 +48,47 @@ pub struct World {
     pub(crate) margin: f64,
     pub(crate) paddings: BTreeMap<WorldId, f64>,
     pub(crate) margins: BTreeMap<WorldPair, f64>,
+    pub(crate) changes: Changes,
+}
+
+/// What changed in the world of a checker since the checker took it.
+#[derive(Default)]
+pub(crate) struct Changes {
+    /// The number of the checker; 0 for a world of no checker, which notes nothing.
+    pub(crate) owner: u64,
+    /// Whether robot bodies or frames changed.
+    pub(crate) robot: bool,
+    /// Obstacles and attached objects that are new, elsewhere, of other shape, or gone.
+    pub(crate) bodies: Vec<WorldId>,
+    /// Bodies all of whose pairs may have changed, and single pairs.
+    pub(crate) pairs_of: Vec<WorldId>,
+    pub(crate) pairs: Vec<WorldPair>,
+    /// Whether the margin of all pairs, or of some pairs, changed.
+    pub(crate) margin: bool,
+    pub(crate) margins: bool,
+}
+
+/// Two worlds that are equal print the same.
+impl fmt::Debug for Changes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("_")
+    }
+}
+
+/// A copy belongs to no checker.
+impl Clone for Changes {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl Changes {
+    /// Notes a change, in the world of a checker.
+    fn note(&mut self, change: impl FnOnce(&mut Self)) {
+        if self.owner != 0 {
+            change(self);
+        }
+    }
 }
 
 /// The frame of a body of the space.
@@ -83,6 +128,7 @@ impl World {
     /// Adds a robot body.
     pub fn robot_body(&mut self, name: impl ToString, shape: impl Into<Geometry>) -> WorldId {
         Arc::make_mut(&mut self.robot).push((name.to_string(), shape.into()));
+        self.changes.robot = true;
         let id = WorldId::Robot(self.robot.len() - 1);
         self.note_hull(id);
         id
@@ -95,6 +141,7 @@ impl World {
     pub fn bare_frame(&mut self, name: impl ToString) {
         let bare = self.bare_frames();
         Arc::make_mut(&mut self.frames).push((name.to_string(), Frame::Bare(bare)));
+        self.changes.robot = true;
     }
 
     /// Names the frame of a robot body, if it differs from the body's name.
@@ -102,6 +149,7 @@ impl World {
     /// Without this call, a name stands for the frame of the first robot body that has it.
     pub fn body_frame(&mut self, name: impl ToString, body: usize) {
         Arc::make_mut(&mut self.frames).push((name.to_string(), Frame::Robot(body)));
+        self.changes.robot = true;
     }
 
     /// Returns this world without its obstacles.
@@ -118,13 +166,13 @@ impl World {
     ///
     /// let mut world = World::new();
     /// world.robot_body("drone", Shape::ball(0.1)?);
-    /// world.obstacle("mast", Shape::ball(0.1)?, Isometry3::identity());
+    /// world.add_obstacle("mast", Shape::ball(0.1)?, Isometry3::identity())?;
     /// let space = TranslationSpace::new([[-4.0, 4.0]; 3], Default::default(), 1)?;
     /// let mut first = Checker::new(space.clone(), world)?;
     /// assert!(!first.is_free_at(&[0.0; 3])?);
     ///
     /// let mut world = first.world().without_obstacles();
-    /// world.obstacle("wall", Shape::ball(0.5)?, Isometry3::translation(2.0, 0.0, 0.0));
+    /// world.add_obstacle("wall", Shape::ball(0.5)?, Isometry3::translation(2.0, 0.0, 0.0))?;
     /// let mut second = Checker::new(space, world)?;
     /// assert!(second.is_free_at(&[0.0; 3])?);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -143,6 +191,7 @@ impl World {
             margin: self.margin,
             paddings: entries(&self.paddings, is_kept),
             margins: entries(&self.margins, |pair: &WorldPair| is_kept(&pair.b)),
+            changes: Changes::default(),
         }
     }
 
@@ -152,15 +201,27 @@ impl World {
         bare.count()
     }
 
-    /// Adds an obstacle at a pose in the world.
-    pub fn obstacle(&mut self, name: impl ToString, shape: impl Into<Geometry>, pose: Isometry3<f64>) -> WorldId {
-        self.obstacles.push(Some((name.to_string(), shape.into(), pose)));
+    /// Adds an obstacle at a pose in the world, and returns its id.
+    ///
+    /// # Errors
+    /// Returns an error if the pose is invalid or out of range, or if the box of the obstacle is not
+    /// finite. Then nothing changes.
+    pub fn add_obstacle(
+        &mut self,
+        name: impl ToString,
+        geometry: impl Into<Geometry>,
+        pose: Isometry3<f64>,
+    ) -> Result<WorldId, PlanError> {
+        let geometry = geometry.into();
+        resting(&geometry, &pose)?;
+        self.obstacles.push(Some((name.to_string(), geometry, pose)));
         let id = WorldId::Obstacle(self.obstacles.len() - 1);
         self.note_hull(id);
-        id
+        self.note_body(id);
+        Ok(id)
     }
 
-    /// Adds an obstacle that moves: it has these poses in the world at times on a clock.
+    /// Adds an obstacle that moves, and returns its id. The obstacle has these poses in the world at times on a clock.
     ///
     /// A motion among moving obstacles has times ([`JointMotion::with_times`](crate::JointMotion::with_times)),
     /// and configurations are queried at the time of [`Checker::set_time`](crate::Checker::set_time). All
@@ -177,7 +238,7 @@ impl World {
     /// let crossing = TimedPoses::new(&[0.0, 4.0], &[at(-4.0), at(4.0)])?;
     /// let mut world = World::new();
     /// world.robot_body("drone", Shape::ball(0.2)?);
-    /// world.moving_obstacle("train", Shape::ball(0.5)?, crossing);
+    /// world.add_moving_obstacle("train", Shape::ball(0.5)?, crossing)?;
     /// let space = TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1)?;
     /// let mut checker = Checker::new(space, world)?;
     ///
@@ -192,10 +253,28 @@ impl World {
     /// assert_eq!(checker.clearance(&[0.0; 3])?.unwrap().distance, 1.3);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn moving_obstacle(&mut self, name: impl ToString, shape: impl Into<Geometry>, poses: TimedPoses) -> WorldId {
-        let id = self.obstacle(name, shape, poses.poses()[0]);
+    ///
+    /// # Errors
+    /// Returns an error if the box of the obstacle is not finite. Then nothing changes.
+    pub fn add_moving_obstacle(
+        &mut self,
+        name: impl ToString,
+        geometry: impl Into<Geometry>,
+        poses: TimedPoses,
+    ) -> Result<WorldId, PlanError> {
+        let geometry = geometry.into();
+        swept(&geometry, &poses)?;
+        let id = self.add_obstacle(name, geometry, poses.poses()[0])?;
         self.motions.insert(id, poses);
-        id
+        Ok(id)
+    }
+
+    /// Notes that a body is new.
+    fn note_body(&mut self, id: WorldId) {
+        self.changes.note(|changes| {
+            changes.bodies.push(id);
+            changes.pairs_of.push(id);
+        });
     }
 
     /// Returns the poses of an obstacle that moves; `None` for any other body.
@@ -216,8 +295,8 @@ impl World {
     /// from then on.
     ///
     /// # Errors
-    /// Returns an error if the pose is invalid or out of range, or if a body does not exist or is
-    /// not an obstacle. Then nothing changes.
+    /// Returns an error if the pose is invalid or out of range, if the box of an obstacle is not
+    /// finite, or if a body does not exist or is not an obstacle. Then nothing changes.
     pub fn move_obstacle<'a>(
         &mut self,
         bodies: impl Into<Select<'a>>,
@@ -225,19 +304,24 @@ impl World {
     ) -> Result<Vec<WorldId>, PlanError> {
         RelativePose::from_isometry(&pose)?;
         let found = self.select_obstacles(bodies.into())?;
+        for geometry in found.iter().filter_map(|id| self.geometry(*id)) {
+            resting(geometry, &pose)?;
+        }
         for id in &found {
             if let Some(obstacle) = self.obstacle_mut(*id) {
                 obstacle.2 = pose;
             }
             self.motions.remove(id);
         }
+        self.changes.note(|changes| changes.bodies.extend(&found));
         Ok(found)
     }
 
     /// Replaces the geometry of obstacles, and returns them. Poses, names and ids stay.
     ///
     /// # Errors
-    /// Returns an error if a body does not exist or is not an obstacle. Then nothing changes.
+    /// Returns an error if a body does not exist or is not an obstacle, or if the box of an obstacle
+    /// is not finite. Then nothing changes.
     pub fn replace_obstacle<'a>(
         &mut self,
         bodies: impl Into<Select<'a>>,
@@ -246,11 +330,20 @@ impl World {
         let found = self.select_obstacles(bodies.into())?;
         let geometry = geometry.into();
         for id in &found {
+            if let Some(pose) = self.obstacle_pose(*id) {
+                resting(&geometry, pose)?;
+            }
+            if let Some(poses) = self.obstacle_motion(*id) {
+                swept(&geometry, poses)?;
+            }
+        }
+        for id in &found {
             if let Some(obstacle) = self.obstacle_mut(*id) {
                 obstacle.1 = geometry.clone();
             }
             self.note_hull(*id);
         }
+        self.changes.note(|changes| changes.bodies.extend(&found));
         Ok(found)
     }
 
@@ -265,6 +358,7 @@ impl World {
             if let WorldId::Obstacle(k) = *id {
                 self.obstacles[k] = None;
                 self.forget_body(*id);
+                self.note_body(*id);
             }
         }
         Ok(found)
@@ -312,6 +406,7 @@ impl World {
             frame,
         }));
         self.note_hull(id);
+        self.note_body(id);
         self.excluded
             .extend(touched.into_iter().filter_map(|body| WorldPair::new(id, body)));
         Ok(id)
@@ -329,6 +424,7 @@ impl World {
             if let WorldId::Attached(k) = *id {
                 self.attached[k] = None;
                 self.forget_body(*id);
+                self.note_body(*id);
             }
         }
         Ok(found)
@@ -521,7 +617,7 @@ impl World {
     /// # use lin_canny::{Shape, nalgebra::Isometry3};
     /// let mut world = World::new();
     /// let hand = world.robot_body("hand", Shape::ball(0.1)?);
-    /// let post = world.obstacle("post", Shape::ball(0.2)?, Isometry3::identity());
+    /// let post = world.add_obstacle("post", Shape::ball(0.2)?, Isometry3::identity())?;
     /// let pair = WorldPair::new(post, hand).unwrap();
     /// assert_eq!(world.show(&pair).to_string(), "hand and post");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -660,6 +756,7 @@ impl World {
     ) -> Result<Vec<WorldPair>, PlanError> {
         let mut pairs = self.pairs_of(a.into(), b.into())?;
         pairs.retain(|pair| self.excluded.insert(*pair));
+        self.changes.note(|changes| changes.pairs.extend(&pairs));
         Ok(pairs)
     }
 
@@ -676,6 +773,7 @@ impl World {
     ) -> Result<Vec<WorldPair>, PlanError> {
         let mut pairs = self.pairs_of(a.into(), b.into())?;
         pairs.retain(|pair| self.excluded.remove(pair));
+        self.changes.note(|changes| changes.pairs.extend(&pairs));
         Ok(pairs)
     }
 
@@ -686,7 +784,7 @@ impl World {
     /// # use lin_canny::{Shape, nalgebra::Isometry3};
     /// let mut world = World::new();
     /// let [arm, hand] = ["arm", "hand"].map(|name| world.robot_body(name, Shape::ball(0.1).unwrap()));
-    /// world.obstacle("post", Shape::ball(0.2)?, Isometry3::translation(1.0, 0.0, 0.0));
+    /// world.add_obstacle("post", Shape::ball(0.2)?, Isometry3::translation(1.0, 0.0, 0.0))?;
     /// // The robot is checked against the post only.
     /// world.exclude_if(|pair| matches!(pair.b, WorldId::Robot(_)));
     /// assert!(world.excluded().eq([[arm, hand]]));
@@ -696,7 +794,10 @@ impl World {
         let all: Vec<WorldId> = self.bodies().map(|b| b.0).collect();
         for (k, &a) in all.iter().enumerate() {
             let pairs = all[k + 1..].iter().filter_map(|&b| WorldPair::new(a, b));
-            self.excluded.extend(pairs.filter(|pair| is_excluded(*pair)));
+            for pair in pairs.filter(|pair| is_excluded(*pair)) {
+                self.excluded.insert(pair);
+                self.changes.note(|changes| changes.pairs.push(pair));
+            }
         }
     }
 
@@ -752,6 +853,7 @@ impl World {
     pub fn set_margin(&mut self, margin: f64) -> Result<(), PlanError> {
         check_length("margin", margin)?;
         self.margin = margin;
+        self.changes.margin = true;
         Ok(())
     }
 
@@ -778,6 +880,10 @@ impl World {
                 self.paddings.remove(id);
             }
         }
+        self.changes.note(|changes| {
+            changes.pairs_of.extend(&found);
+            changes.margins = true;
+        });
         Ok(found)
     }
 
@@ -817,6 +923,10 @@ impl World {
                 None => self.margins.remove(pair),
             };
         }
+        self.changes.note(|changes| {
+            changes.pairs.extend(&pairs);
+            changes.margins = true;
+        });
         Ok(pairs)
     }
 
@@ -851,6 +961,22 @@ impl World {
         let pad = pads.map(|(_, pad)| *pad).fold(0.0, f64::larger);
         (most + pad, margins().fold(self.margin, f64::smaller))
     }
+}
+
+/// Returns the box of an obstacle that moves, at all times.
+pub(crate) fn swept(geometry: &Geometry, poses: &TimedPoses) -> Result<Aabb, PlanError> {
+    let aabb = poses.swept(geometry.bounding_ball());
+    aabb.validate_unbounded()?;
+    Ok(aabb)
+}
+
+/// Returns motion and box of a body at rest.
+pub(crate) fn resting(geometry: &Geometry, pose: &Isometry3<f64>) -> Result<(Steady, Aabb), PlanError> {
+    let steady = Steady::new(pose, Velocity::default())?;
+    let aabb = Aabb::from(geometry.aabb_at(pose, &mut BoxHint::default()));
+    // The box of a half-space is infinite.
+    aabb.validate_unbounded()?;
+    Ok((steady, aabb))
 }
 
 /// Returns the convex body that contains a body: itself or its hull.
@@ -967,6 +1093,7 @@ impl TryFrom<StoredWorld> for World {
             margin: stored.margin,
             paddings: stored.paddings.into_iter().collect(),
             margins: stored.margins.into_iter().collect(),
+            changes: Changes::default(),
         };
         world.validate()?;
         let bodies: Vec<WorldId> = world.bodies().map(|body| body.0).collect();

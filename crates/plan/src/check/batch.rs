@@ -102,7 +102,7 @@ impl<C: ConfigurationSpace + Clone + Sync> Checker<C> {
     /// # use lin_canny_plan::{Checker, TranslationSpace, World};
     /// # let mut world = World::new();
     /// # world.robot_body("drone", Shape::ball(0.1)?);
-    /// # world.obstacle("mast", Shape::ball(0.1)?, Isometry3::identity());
+    /// # world.add_obstacle("mast", Shape::ball(0.1)?, Isometry3::identity())?;
     /// # let space = TranslationSpace::new([[-4.0, 4.0]; 3], Default::default(), 1)?;
     /// # let checker = Checker::new(space, world)?;
     /// let near = checker.nearest_batch(&[1.0, 0.0, 0.0, 0.0, -2.0, 0.0], 1, f64::INFINITY, 2)?;

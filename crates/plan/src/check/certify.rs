@@ -119,7 +119,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// let mut world = World::new();
     /// world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
     /// let post = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
-    /// world.obstacle("post", post, Isometry3::identity());
+    /// world.add_obstacle("post", post, Isometry3::identity())?;
     /// let mut checker = Checker::new(block, world)?;
     ///
     /// let around = JointMotion::path(&[[-2.0, 0.0], [0.0, 1.0], [2.0, 0.0]])?;
@@ -160,7 +160,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # let die = solids::cuboid(Vector3::repeat(0.5))?;
     /// # let mut world = World::new();
     /// # world.robot_body("die", die.clone());
-    /// # world.obstacle("block", die, Isometry3::translation(3.0, 0.0, 0.0));
+    /// # world.add_obstacle("block", die, Isometry3::translation(3.0, 0.0, 0.0))?;
     /// # let bounds = [[-9.0, 9.0]; 3];
     /// # let space = TranslationSpace::new(bounds, UnitQuaternion::identity(), 1)?;
     /// # let mut checker = Checker::new(space, world)?;
@@ -367,6 +367,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the motion of the bodies along a piece, after a check of the piece.
     pub(crate) fn moved(&self, motion: &JointMotion, k: usize) -> Result<C::Segment, PlanError> {
+        self.check_world()?;
         match motion.piece_ref(k) {
             PieceRef::Segment([from, to]) => {
                 self.space.check(from)?;
@@ -476,6 +477,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns an error if an end of a segment is invalid, or if an obstacle moves.
     pub(crate) fn check_ends(&self, from: &[f64], to: &[f64]) -> Result<(), PlanError> {
+        self.check_world()?;
         self.world.check_at_rest()?;
         self.space.check(from)?;
         self.space.check(to)

@@ -3,22 +3,58 @@
 //! A change costs what it changes: the pairs of one body. The trackers of other pairs stay. After
 //! [`Checker::forget`], answers equal those of a new checker of the same world, bit for bit.
 
+use core::ops::{Deref, DerefMut};
+use core::sync::atomic::{AtomicU64, Ordering};
 use std::string::{String, ToString};
 use std::vec::Vec;
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Point3};
 
+use crate::cell::world::{Changes, World};
 use crate::check::checker::Checker;
-use crate::check::pairs::{resting, swept};
+use crate::check::pairs::Pairs;
 use crate::error::PlanError;
 use crate::motion::space::ConfigurationSpace;
-use crate::motion::timed_poses::TimedPoses;
 use crate::names::{Select, WorldId, WorldPair};
-use lin_canny::Geometry;
+
+/// The next number of a checker.
+static NEXT: AtomicU64 = AtomicU64::new(1);
+
+/// The world of a checker, to be changed: see [`Checker::world_mut`].
+///
+/// The checker takes the changes when this is dropped.
+pub struct WorldMut<'a, C: ConfigurationSpace> {
+    checker: &'a mut Checker<C>,
+}
+
+impl<C: ConfigurationSpace> Deref for WorldMut<'_, C> {
+    type Target = World;
+
+    fn deref(&self) -> &World {
+        &self.checker.world
+    }
+}
+
+impl<C: ConfigurationSpace> DerefMut for WorldMut<'_, C> {
+    fn deref_mut(&mut self) -> &mut World {
+        &mut self.checker.world
+    }
+}
+
+impl<C: ConfigurationSpace> Drop for WorldMut<'_, C> {
+    fn drop(&mut self) {
+        self.checker.fault = self.checker.take_changes().err();
+    }
+}
 
 /// Changes of the world.
 impl<C: ConfigurationSpace> Checker<C> {
-    /// Adds an obstacle at a pose in the world, and returns its id, which is never used again.
+    /// Returns the world to change it: obstacles, attached objects, excluded pairs, margins and
+    /// paddings.
+    ///
+    /// The checker finds the pairs that changed; the others keep what they know. A whole world may
+    /// be assigned as well. If it does not fit the space, or if robot bodies are added, every call
+    /// returns the error until another world is assigned.
     ///
     /// ```
     /// # use lin_canny::nalgebra::Isometry3;
@@ -28,174 +64,22 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # world.robot_body("drone", Shape::ball(0.1)?);
     /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
     /// let q = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-    /// let mast = checker.add_obstacle("mast", Shape::ball(0.1)?, Isometry3::translation(1.0, 0.0, 0.0))?;
+    /// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
+    /// let mast = checker.world_mut().add_obstacle("mast", Shape::ball(0.1)?, at(1.0))?;
     /// assert_eq!(checker.clearance(&q)?.unwrap().distance, 0.8);
-    /// checker.move_obstacle("mast", Isometry3::translation(2.0, 0.0, 0.0))?;
+    /// checker.world_mut().move_obstacle("mast", at(2.0))?;
     /// assert_eq!(checker.clearance(&q)?.unwrap().distance, 1.8);
-    /// checker.remove_obstacle(mast)?;
+    ///
+    /// let mut world = checker.world_mut();
+    /// world.remove_obstacle(mast)?;
+    /// world.attach("drone", "load", Shape::ball(0.1)?, at(0.2), &["drone"])?;
+    /// drop(world);
     /// assert!(checker.clearance(&q)?.is_none());
-    /// assert_eq!(checker.remove_obstacle(mast), Err(PlanError::Removed(mast)));
+    /// assert_eq!(checker.world_mut().remove_obstacle(mast), Err(PlanError::Removed(mast)));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    ///
-    /// # Errors
-    /// Returns an error if the pose is invalid or the box of the obstacle is not finite. Then
-    /// nothing changes.
-    pub fn add_obstacle(
-        &mut self,
-        name: impl ToString,
-        geometry: impl Into<Geometry>,
-        pose: Isometry3<f64>,
-    ) -> Result<WorldId, PlanError> {
-        let geometry = geometry.into();
-        resting(&geometry, &pose)?;
-        let id = self.world.obstacle(name, geometry, pose);
-        self.obstacles_changed(&[id])?;
-        self.set_pairs(id);
-        Ok(id)
-    }
-
-    /// Adds an obstacle that moves, and returns its id, which is never used again: see
-    /// [`World::moving_obstacle`](crate::World::moving_obstacle).
-    ///
-    /// # Errors
-    /// Returns an error if the box of the obstacle is not finite, or if it has no pose at the time
-    /// of [`set_time`](Self::set_time). Then nothing changes.
-    pub fn add_moving_obstacle(
-        &mut self,
-        name: impl ToString,
-        geometry: impl Into<Geometry>,
-        poses: TimedPoses,
-    ) -> Result<WorldId, PlanError> {
-        let geometry = geometry.into();
-        resting(&geometry, &poses.poses()[0])?;
-        swept(&geometry, &poses)?;
-        if let Some(time) = self.time
-            && poses.at(time).is_none()
-        {
-            let [from, until] = poses.ends();
-            let name = name.to_string();
-            return Err(PlanError::PoseTime {
-                name,
-                time,
-                from,
-                until,
-            });
-        }
-        let id = self.world.moving_obstacle(name, geometry, poses);
-        self.obstacles_changed(&[id])?;
-        self.set_pairs(id);
-        Ok(id)
-    }
-
-    /// Moves obstacles to a pose in the world, and returns them. An obstacle that moved is at rest
-    /// from then on.
-    ///
-    /// # Errors
-    /// As [`World::move_obstacle`](crate::World::move_obstacle), and if the box of an obstacle is
-    /// not finite. Then nothing changes.
-    pub fn move_obstacle<'a>(
-        &mut self,
-        bodies: impl Into<Select<'a>>,
-        pose: Isometry3<f64>,
-    ) -> Result<Vec<WorldId>, PlanError> {
-        let bodies = bodies.into();
-        for id in self.world.select(bodies)? {
-            if let (WorldId::Obstacle(_), Some(geometry)) = (id, self.world.geometry(id)) {
-                resting(geometry, &pose)?;
-            }
-        }
-        let found = self.world.move_obstacle(bodies, pose)?;
-        self.obstacles_changed(&found)?;
-        Ok(found)
-    }
-
-    /// Replaces the geometry of obstacles, and returns them. Poses, names and ids stay.
-    ///
-    /// # Errors
-    /// As [`World::replace_obstacle`](crate::World::replace_obstacle), and if the box of an obstacle
-    /// is not finite. Then nothing changes.
-    pub fn replace_obstacle<'a>(
-        &mut self,
-        bodies: impl Into<Select<'a>>,
-        geometry: impl Into<Geometry>,
-    ) -> Result<Vec<WorldId>, PlanError> {
-        let (bodies, geometry) = (bodies.into(), geometry.into());
-        for id in self.world.select(bodies)? {
-            if let Some(pose) = self.world.obstacle_pose(id) {
-                resting(&geometry, pose)?;
-            }
-            if let Some(poses) = self.world.obstacle_motion(id) {
-                swept(&geometry, poses)?;
-            }
-        }
-        let found = self.world.replace_obstacle(bodies, geometry)?;
-        self.obstacles_changed(&found)?;
-        Ok(found)
-    }
-
-    /// Removes obstacles, and returns their ids, which are never used again.
-    ///
-    /// # Errors
-    /// As [`World::remove_obstacle`](crate::World::remove_obstacle).
-    pub fn remove_obstacle<'a>(&mut self, bodies: impl Into<Select<'a>>) -> Result<Vec<WorldId>, PlanError> {
-        let found = self.world.remove_obstacle(bodies)?;
-        for id in &found {
-            self.set_pairs(*id);
-        }
-        self.obstacles_changed(&found)?;
-        Ok(found)
-    }
-
-    /// Attaches an object to a link, and returns its id, which is never used again.
-    ///
-    /// The object moves with the link in every query: see [`World::attach`](crate::World::attach).
-    ///
-    /// ```
-    /// # use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// # use lin_canny::{Shape, polyhedron::solids};
-    /// # use lin_canny_plan::{Checker, RigidSpace, World};
-    /// # let mut world = World::new();
-    /// # world.robot_body("hand", Shape::ball(0.1)?);
-    /// # world.obstacle("wall", solids::cuboid(Vector3::new(0.1, 1.0, 1.0))?, Isometry3::translation(1.0, 0.0, 0.0));
-    /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
-    /// let q = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-    /// assert_eq!(checker.clearance(&q)?.unwrap().distance, 0.8);
-    /// let before = Isometry3::translation(0.3, 0.0, 0.0);
-    /// checker.attach("hand", "part", Shape::ball(0.1)?, before, &["hand"])?;
-    /// assert_eq!(checker.clearance(&q)?.unwrap().distance, 0.5);
-    /// let id = checker.detach_at("part", &q)?;
-    /// assert_eq!(checker.world().obstacle_pose(id), Some(&before));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// As [`World::attach`](crate::World::attach). Then nothing changes.
-    pub fn attach(
-        &mut self,
-        link: &str,
-        name: impl ToString,
-        geometry: impl Into<Geometry>,
-        pose: Isometry3<f64>,
-        touch_links: &[&str],
-    ) -> Result<WorldId, PlanError> {
-        let id = self.world.attach(link, name, geometry, pose, touch_links)?;
-        self.attached_changed(&[id]);
-        self.set_pairs(id);
-        Ok(id)
-    }
-
-    /// Removes attached objects, and returns their ids, which are never used again.
-    ///
-    /// # Errors
-    /// As [`World::detach`](crate::World::detach).
-    pub fn detach<'a>(&mut self, bodies: impl Into<Select<'a>>) -> Result<Vec<WorldId>, PlanError> {
-        let found = self.world.detach(bodies)?;
-        for id in &found {
-            self.set_pairs(*id);
-        }
-        self.attached_changed(&found);
-        Ok(found)
+    pub fn world_mut(&mut self) -> WorldMut<'_, C> {
+        WorldMut { checker: self }
     }
 
     /// Removes an attached object, and leaves it as an obstacle where it is at a configuration.
@@ -228,12 +112,12 @@ impl<C: ConfigurationSpace> Checker<C> {
             }
         };
         let pose = self.pose(id, configuration)?;
-        resting(&object.geometry, &pose)?;
-        let padding = self.world.padding(id);
-        self.detach(id)?;
-        let left = self.add_obstacle(object.name, object.geometry, pose)?;
+        let mut world = self.world_mut();
+        let padding = world.padding(id);
+        let left = world.add_obstacle(object.name, object.geometry, pose)?;
+        world.detach(id)?;
         if padding > 0.0 {
-            self.pad(left, padding)?;
+            world.pad(left, padding)?;
         }
         Ok(left)
     }
@@ -252,7 +136,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Returns the pose of a link in the world at a configuration: the frame to which
-    /// [`attach`](Self::attach) refers.
+    /// [`World::attach`] refers.
     ///
     /// # Errors
     /// Returns an error if the configuration is invalid or no link has this name.
@@ -263,73 +147,99 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the poses of all bodies of the space and of all attached objects.
     fn moving_poses(&self, configuration: &[f64]) -> Result<Vec<Isometry3<f64>>, PlanError> {
+        self.check_world()?;
         self.space.check(configuration)?;
         let mut poses = Vec::new();
         self.space.place(configuration, &mut poses);
         self.pairs.places.carry(&mut poses);
         Ok(poses)
     }
-
-    /// Excludes all pairs of a body of `a` and a body of `b`, which are then never measured.
-    ///
-    /// # Errors
-    /// As [`World::exclude`](crate::World::exclude).
-    #[doc(alias = "allow")]
-    #[doc(alias = "allowed collision matrix")]
-    pub fn exclude<'a>(
-        &mut self,
-        a: impl Into<Select<'a>>,
-        b: impl Into<Select<'a>>,
-    ) -> Result<Vec<WorldPair>, PlanError> {
-        let pairs = self.world.exclude(a, b)?;
-        pairs.iter().for_each(|pair| self.set_pair(*pair));
-        Ok(pairs)
-    }
-
-    /// Includes all pairs of a body of `a` and a body of `b` again.
-    ///
-    /// # Errors
-    /// As [`World::include`](crate::World::include).
-    pub fn include<'a>(
-        &mut self,
-        a: impl Into<Select<'a>>,
-        b: impl Into<Select<'a>>,
-    ) -> Result<Vec<WorldPair>, PlanError> {
-        let pairs = self.world.include(a, b)?;
-        pairs.iter().for_each(|pair| self.set_pair(*pair));
-        Ok(pairs)
-    }
-
-    /// Sets the padding of bodies: all their pairs must keep so much more.
-    ///
-    /// # Errors
-    /// As [`World::pad`](crate::World::pad).
-    pub fn pad<'a>(&mut self, bodies: impl Into<Select<'a>>, padding: f64) -> Result<Vec<WorldId>, PlanError> {
-        let found = self.world.pad(bodies, padding)?;
-        found.iter().for_each(|id| self.set_pairs(*id));
-        self.margins_changed();
-        Ok(found)
-    }
-
-    /// Sets or removes the explicit margin of all pairs of a body of `a` and a body of `b`.
-    ///
-    /// # Errors
-    /// As [`World::set_pair_margin`](crate::World::set_pair_margin).
-    pub fn set_pair_margin<'a>(
-        &mut self,
-        a: impl Into<Select<'a>>,
-        b: impl Into<Select<'a>>,
-        margin: Option<f64>,
-    ) -> Result<Vec<WorldPair>, PlanError> {
-        let pairs = self.world.set_pair_margin(a, b, margin)?;
-        pairs.iter().for_each(|pair| self.set_pair(*pair));
-        self.margins_changed();
-        Ok(pairs)
-    }
 }
 
 /// What a change of the world changes in the pairs.
 impl<C: ConfigurationSpace> Checker<C> {
+    /// Returns the error of a world that does not fit the space.
+    pub(crate) fn check_world(&self) -> Result<(), PlanError> {
+        match &self.fault {
+            // Motions have times of their own.
+            None | Some(PlanError::PoseTime { .. }) => Ok(()),
+            Some(fault) => Err(fault.clone()),
+        }
+    }
+
+    /// Takes what changed in the world.
+    fn take_changes(&mut self) -> Result<(), PlanError> {
+        let owner = self.world.changes.owner;
+        let changes = core::mem::take(&mut self.world.changes);
+        self.world.changes.owner = self.number;
+        if owner != self.number || changes.robot || self.check_world().is_err() {
+            self.take_world()?;
+        } else {
+            self.take_pairs(changes)?;
+        }
+        self.time.map_or(Ok(()), |time| self.place_moving(time))
+    }
+
+    /// Measures the whole world.
+    pub(crate) fn take_world(&mut self) -> Result<(), PlanError> {
+        self.world.validate()?;
+        let bodies = self.world.robot.len() + self.world.bare_frames();
+        if self.space.bodies() != bodies {
+            return Err(PlanError::Bodies {
+                space: self.space.bodies(),
+                world: bodies,
+            });
+        }
+        let mut pairs = Pairs::new(&self.world, bodies);
+        let middles = pairs.mover_balls.iter();
+        let middles: Vec<_> = middles.map(|ball| ball.map_or(Point3::origin(), |b| b.0)).collect();
+        for k in 0..self.world.attached.len() {
+            pairs.set_attached(&self.world, k);
+        }
+        for k in 0..self.world.obstacles.len() {
+            pairs.set_obstacle(&self.world, k)?;
+        }
+        pairs.step_boxes();
+        pairs.take_margins(&self.world);
+        pairs.made = self.pairs.made;
+        self.space.set_middles(&middles);
+        self.pairs = pairs;
+        self.has_parts = self.world.has_parts();
+        self.forget();
+        self.set_all_pairs();
+        Ok(())
+    }
+
+    /// Measures the bodies and pairs that changed.
+    fn take_pairs(&mut self, changes: Changes) -> Result<(), PlanError> {
+        for id in &changes.bodies {
+            self.range_bodies.remove(id);
+            match *id {
+                WorldId::Obstacle(k) => self.pairs.set_obstacle(&self.world, k)?,
+                WorldId::Attached(k) => self.pairs.set_attached(&self.world, k),
+                WorldId::Robot(_) => {}
+            }
+        }
+        if changes.bodies.iter().any(|id| matches!(id, WorldId::Obstacle(_))) {
+            self.pairs.step_boxes();
+        }
+        changes.pairs_of.iter().for_each(|id| self.set_pairs(*id));
+        changes.pairs.iter().for_each(|pair| self.set_pair(*pair));
+        if changes.margin {
+            for index in self.pairs.ordered() {
+                self.pairs.all[index].kept = self.world.kept_distance(self.pairs.all[index].pair);
+            }
+        }
+        self.has_parts = self.world.has_parts();
+        self.pairs.take_margins(&self.world);
+        Ok(())
+    }
+
+    /// Returns the number of a new checker.
+    pub(crate) fn next_number() -> u64 {
+        NEXT.fetch_add(1, Ordering::Relaxed)
+    }
+
     /// Measures all pairs of a new checker, each set once.
     pub(crate) fn set_all_pairs(&mut self) {
         let ids = |count, id: fn(usize) -> WorldId| (0..count).map(id);
@@ -377,38 +287,5 @@ impl<C: ConfigurationSpace> Checker<C> {
             (Some(a), Some(b)) => a == b || self.space.is_rigid(a, b),
             _ => false,
         }
-    }
-
-    fn obstacles_changed(&mut self, ids: &[WorldId]) -> Result<(), PlanError> {
-        for id in ids {
-            self.range_bodies.remove(id);
-            if let WorldId::Obstacle(k) = *id {
-                self.pairs.set_obstacle(&self.world, k)?;
-            }
-        }
-        self.pairs.step_boxes();
-        self.bodies_changed();
-        if let Some(time) = self.time {
-            self.place_moving(time)?;
-        }
-        Ok(())
-    }
-
-    fn attached_changed(&mut self, ids: &[WorldId]) {
-        for id in ids {
-            if let WorldId::Attached(k) = *id {
-                self.pairs.set_attached(&self.world, k);
-            }
-        }
-        self.bodies_changed();
-    }
-
-    fn bodies_changed(&mut self) {
-        self.has_parts = self.world.has_parts();
-        self.margins_changed();
-    }
-
-    pub(crate) fn margins_changed(&mut self) {
-        self.pairs.take_margins(&self.world);
     }
 }

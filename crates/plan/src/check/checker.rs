@@ -7,6 +7,7 @@ use std::vec::Vec;
 use nalgebra::{Isometry3, Point3};
 
 use crate::cell::range_body::RangeBody;
+use crate::cell::world::Changes;
 use crate::cell::world::{Named, World};
 use crate::check::boxes::{GROWN, PlacedBox};
 use crate::check::pairs::{PairKey, Pairs, Places, Stretch, cut, cut_at_knots};
@@ -40,6 +41,10 @@ const TUBE_PARTS: u32 = 16;
 pub struct Checker<C> {
     pub(crate) space: C,
     pub(crate) world: World,
+    /// The number of this checker, which its world has.
+    pub(crate) number: u64,
+    /// The error of a world that does not fit the space, or of moving obstacles without a pose.
+    pub(crate) fault: Option<PlanError>,
     pub(crate) pairs: Pairs,
     /// What all pairs must keep in addition: inside a tube.
     pub(crate) tube: f64,
@@ -76,33 +81,15 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # Errors
     /// Returns an error if the space and the world have different numbers of robot bodies, if a
     /// pose is out of range, or if two kinds of geometry cannot be measured.
-    pub fn new(mut space: C, world: World) -> Result<Self, PlanError> {
-        world.validate()?;
-        let bodies = world.robot.len() + world.bare_frames();
-        if space.bodies() != bodies {
-            return Err(PlanError::Bodies {
-                space: space.bodies(),
-                world: bodies,
-            });
-        }
-        let mut pairs = Pairs::new(&world, bodies);
-        let middles = pairs.mover_balls.iter();
-        let middles: Vec<_> = middles.map(|ball| ball.map_or(Point3::origin(), |b| b.0)).collect();
-        space.set_middles(&middles);
-        for k in 0..world.attached.len() {
-            pairs.set_attached(&world, k);
-        }
-        for k in 0..world.obstacles.len() {
-            pairs.set_obstacle(&world, k)?;
-        }
-        pairs.step_boxes();
-        pairs.take_margins(&world);
+    pub fn new(space: C, world: World) -> Result<Self, PlanError> {
         let mut checker = Self {
-            reach: pairs.robot_radius,
-            has_parts: world.has_parts(),
+            reach: 0.0,
+            has_parts: false,
+            pairs: Pairs::new(&World::new(), 0),
             space,
             world,
-            pairs,
+            number: Self::next_number(),
+            fault: None,
             tube: 0.0,
             joint_tube: None,
             start_contact_margin: None,
@@ -118,7 +105,9 @@ impl<C: ConfigurationSpace> Checker<C> {
             order: Vec::new(),
             range_bodies: BTreeMap::new(),
         };
-        checker.set_all_pairs();
+        checker.world.changes = Changes::default();
+        checker.world.changes.owner = checker.number;
+        checker.take_world()?;
         Ok(checker)
     }
 
@@ -133,10 +122,10 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # use lin_canny_plan::{Checker, TranslationSpace, World};
     /// # let mut world = World::new();
     /// # world.robot_body("drone", Shape::ball(0.1)?);
-    /// # world.obstacle("mast", Shape::ball(0.1)?, Isometry3::identity());
+    /// # world.add_obstacle("mast", Shape::ball(0.1)?, Isometry3::identity())?;
     /// # let space = TranslationSpace::new([[-4.0, 4.0]; 3], Default::default(), 1)?;
     /// # let mut checker = Checker::new(space, world)?;
-    /// checker.set_margin(0.5)?;
+    /// checker.world_mut().set_margin(0.5)?;
     /// let mut other = checker.fork()?;
     /// assert!(!other.is_free_at(&[0.6, 0.0, 0.0])?);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -159,26 +148,6 @@ impl<C: ConfigurationSpace> Checker<C> {
             }
         }
         Ok(other)
-    }
-
-    /// Sets the distance that every pair without an explicit margin must keep. Closer counts as
-    /// blocked. The default is 0.
-    ///
-    /// # Errors
-    /// Returns an error if the margin is negative or not finite.
-    pub fn set_margin(&mut self, margin: f64) -> Result<(), PlanError> {
-        self.world.set_margin(margin)?;
-        self.margins_changed();
-        for index in self.pairs.ordered() {
-            self.pairs.all[index].kept = self.world.kept_distance(self.pairs.all[index].pair);
-        }
-        Ok(())
-    }
-
-    /// Returns the distance that every pair without an explicit margin must keep.
-    #[must_use]
-    pub fn margin(&self) -> f64 {
-        self.world.margin()
     }
 
     /// Accepts contacts at the start of a segment, for example of a part that is lifted from a
@@ -204,7 +173,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # let mut world = World::new();
     /// # world.robot_body("part", solids::cuboid(Vector3::new(0.1, 0.1, 0.1))?);
     /// # let table = solids::cuboid(Vector3::new(1.0, 1.0, 0.1))?;
-    /// # world.obstacle("table", table, Isometry3::translation(0.0, 0.0, -0.1));
+    /// # world.add_obstacle("table", table, Isometry3::translation(0.0, 0.0, -0.1))?;
     /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
     /// let at = |x: f64, z: f64| [x, 0.0, z, 0.0, 0.0, 0.0, 1.0];
     /// let (table, above) = (at(0.0, 0.1), at(0.0, 0.5));
@@ -301,8 +270,9 @@ impl<C: ConfigurationSpace> Checker<C> {
             let what = "time";
             return Err(PlanError::Value { what, value: time });
         }
+        self.check_world()?;
         self.place_moving(time)?;
-        self.time = Some(time);
+        (self.time, self.fault) = (Some(time), None);
         Ok(())
     }
 
@@ -314,6 +284,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns an error if an obstacle moves, and there is no time to query configurations.
     pub(crate) fn check_time(&self) -> Result<(), PlanError> {
+        self.fault.clone().map_or(Ok(()), Err)?;
         match self.time {
             Some(_) => Ok(()),
             None => self.world.check_at_rest(),
@@ -388,7 +359,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # use lin_canny_plan::{Checker, JointMotion, RigidSpace, World};
     /// # let mut world = World::new();
     /// # world.robot_body("drone", Shape::ball(0.1)?);
-    /// # world.obstacle("mast", Shape::ball(0.1)?, Isometry3::identity());
+    /// # world.add_obstacle("mast", Shape::ball(0.1)?, Isometry3::identity())?;
     /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
     /// let [p, q] = [-1.0, 1.0].map(|x| [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
     /// let verdict = checker.certify(&JointMotion::segment(&p, &q))?;
@@ -421,7 +392,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # use lin_canny_plan::{Checker, RigidSpace, World};
     /// # let mut world = World::new();
     /// # world.robot_body("plank", solids::cuboid(Vector3::new(0.5, 0.1, 0.1))?);
-    /// # world.obstacle("wall", solids::cuboid(Vector3::new(0.1, 1.0, 1.0))?, Isometry3::translation(2.0, 0.0, 0.0));
+    /// # world.add_obstacle("wall", solids::cuboid(Vector3::new(0.1, 1.0, 1.0))?, Isometry3::translation(2.0, 0.0, 0.0))?;
     /// # let space = RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?;
     /// # let mut checker = Checker::new(space, world)?;
     /// # let [p, q] = [[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [1.0, 0.1, 0.0, 0.0, 0.0, 0.6, 0.8]];

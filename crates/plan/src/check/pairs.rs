@@ -7,18 +7,17 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
-use crate::cell::world::World;
+use crate::cell::world::{World, resting, swept};
 use crate::check::apart::ApartBoxes;
 use crate::check::boxes::{OwnBox, PlacedBox, placed_ball};
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::motion::carried::Carried;
-use crate::motion::timed_poses::{PosePart, TimedPoses};
+use crate::motion::timed_poses::PosePart;
 use crate::names::{WorldId, WorldPair};
+use lin_canny::PairTracker;
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
 use lin_canny::motion::{Motion, Steady, Velocity};
-use lin_canny::polyhedron::BoxHint;
-use lin_canny::{Geometry, PairTracker};
 
 /// A pair and its tracker.
 pub(crate) struct TrackedPair {
@@ -212,22 +211,6 @@ const NONE: u32 = u32::MAX;
 /// Number of obstacles up to which the boxes of all of them are tested, without the broad phase. Not
 /// measured.
 const FEW: usize = 64;
-
-/// Returns the box of an obstacle that moves, at all times.
-pub(crate) fn swept(shape: &Geometry, poses: &TimedPoses) -> Result<Aabb, PlanError> {
-    let aabb = poses.swept(shape.bounding_ball());
-    aabb.validate_unbounded()?;
-    Ok(aabb)
-}
-
-/// Returns motion and box of a body at rest.
-pub(crate) fn resting(shape: &Geometry, pose: &Isometry3<f64>) -> Result<(Steady, Aabb), PlanError> {
-    let steady = Steady::new(pose, Velocity::default())?;
-    let aabb = Aabb::from(shape.aabb_at(pose, &mut BoxHint::default()));
-    // The box of a half-space is infinite.
-    aabb.validate_unbounded()?;
-    Ok((steady, aabb))
-}
 
 /// Bodies.
 impl Pairs {

@@ -44,7 +44,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # let mut world = World::new();
     /// # world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
     /// # let post = solids::cuboid(Vector3::repeat(0.5))?;
-    /// # world.obstacle("post", post, origin);
+    /// # world.add_obstacle("post", post, origin)?;
     /// # let mut checker = Checker::new(block, world)?;
     /// // The lowest point of this parabola is 0.1 above contact.
     /// let curve = JointCurve::bezier(&[[-1.0, 1.6], [0.0, -0.2], [1.0, 1.6]])?;

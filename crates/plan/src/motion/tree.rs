@@ -291,7 +291,7 @@ impl JointTree {
     /// world.robot_body("fore arm", rod);
     /// let post = solids::cuboid(Vector3::new(0.1, 0.1, 1.0))?;
     /// let side = Isometry3::translation(0.0, 1.5, 0.0);
-    /// world.obstacle("post", post, side);
+    /// world.add_obstacle("post", post, side)?;
     ///
     /// let mut checker = Checker::new(arm, world)?;
     /// assert!(checker.certify(&JointMotion::segment(&[0.0, 0.0], &[0.8, 1.0]))?.is_free());

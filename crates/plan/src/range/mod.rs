@@ -106,7 +106,7 @@ impl<'a> RangeProver<'a> {
     /// let mut world = World::new();
     /// let rod = world.robot_body("fore arm", rod);
     /// let post = solids::cuboid(Vector3::new(0.1, 0.1, 1.0))?;
-    /// let post = world.obstacle("post", post, at(1.5));
+    /// let post = world.add_obstacle("post", post, at(1.5))?;
     ///
     /// let mut checker = Checker::new(arm, world)?;
     /// let options = RangeOptions::default();
@@ -140,7 +140,7 @@ impl<'a> RangeProver<'a> {
     /// let mut world = World::new();
     /// let peg = world.robot_body("peg", solids::cuboid(Vector3::repeat(0.1))?);
     /// let wall = solids::cuboid(Vector3::new(0.1, 1.0, 2.0))?;
-    /// let wall = world.obstacle("wall", wall, Isometry3::translation(0.25, 0.0, 0.0));
+    /// let wall = world.add_obstacle("wall", wall, Isometry3::translation(0.25, 0.0, 0.0))?;
     ///
     /// let mut checker = Checker::new(tree, world)?;
     /// let options = RangeOptions::default().width(ClearanceWidth::Length(1e-6));

@@ -150,6 +150,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the limits of all coordinates.
     fn range_of_limits(&self) -> Result<[Vec<f64>; 2], PlanError> {
+        self.check_world()?;
         let bounds = self.space.bounds();
         if bounds.len() != self.space.coordinates() {
             return Err(PlanError::Value {

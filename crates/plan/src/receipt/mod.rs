@@ -23,7 +23,7 @@
 //! world.robot_body("upper arm", rod.clone());
 //! world.robot_body("fore arm", rod);
 //! let post = solids::cuboid(Vector3::new(0.1, 0.1, 1.0))?;
-//! world.obstacle("post", post, at(2.2));
+//! world.add_obstacle("post", post, at(2.2))?;
 //! let mut checker = Checker::new(arm, world)?;
 //!
 //! let receipt = Receipt::motion(&mut checker, &JointMotion::segment(&[0.8, 0.2], &[0.5, 1.4]))?;

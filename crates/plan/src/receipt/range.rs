@@ -62,7 +62,7 @@ impl Receipt {
     /// let mut world = World::new();
     /// world.robot_body("fore arm", rod.transformed(&at(0.5))?);
     /// let post = solids::cuboid(Vector3::new(0.1, 0.1, 1.0))?;
-    /// world.obstacle("post", post, at(1.5));
+    /// world.add_obstacle("post", post, at(1.5))?;
     /// let mut checker = Checker::new(arm, world)?;
     ///
     /// let options = RangeOptions::default();

@@ -57,7 +57,7 @@ impl Receipt {
     /// let mut world = World::new();
     /// world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
     /// let post = solids::cuboid(Vector3::repeat(0.5))?;
-    /// world.obstacle("post", post, origin);
+    /// world.add_obstacle("post", post, origin)?;
     /// let mut checker = Checker::new(block, world)?;
     ///
     /// let curve = JointCurve::bezier(&[[-2.0, 0.0], [0.0, 1.7], [2.0, 0.0]])?;

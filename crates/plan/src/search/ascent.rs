@@ -70,7 +70,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub(crate) fn place(&mut self, q: Vec<f64>, slack: f64) -> Result<ClearConfiguration, PlanError> {
         let is_uniform = self.pairs.is_uniform;
         let spread = if is_uniform { 0.0 } else { self.pairs.spread() };
-        let (margin, scales) = (self.margin(), self.space.scales().to_vec());
+        let (margin, scales) = (self.world.margin(), self.space.scales().to_vec());
         let near = self.nearest(&q, slack + spread)?;
         let value = |near: &NearPair| {
             if is_uniform {

@@ -38,7 +38,7 @@ type Watch<'a> = Option<&'a mut dyn FnMut(Progress) -> ControlFlow<()>>;
 ///
 /// let mut world = World::new();
 /// world.robot_body("drone", Shape::ball(0.1)?);
-/// world.obstacle("mast", Shape::ball(0.5)?, Isometry3::identity());
+/// world.add_obstacle("mast", Shape::ball(0.5)?, Isometry3::identity())?;
 /// let space = TranslationSpace::new([[-2.0, 2.0]; 3], Default::default(), 1)?;
 /// let mut checker = Checker::new(space, world)?;
 ///
@@ -223,7 +223,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             fixed: std::vec![false; self.space.degrees_of_freedom()],
             longest: LONGEST * extent,
             shortest: SHORTEST * extent,
-            clearance_cap: clearance_cap + self.margin(),
+            clearance_cap: clearance_cap + self.world.margin(),
         })
     }
 }

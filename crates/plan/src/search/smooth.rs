@@ -195,7 +195,7 @@ impl<'a> Smoother<'a> {
     /// let mut world = World::new();
     /// world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
     /// let post = solids::cuboid(Vector3::repeat(0.5))?;
-    /// world.obstacle("post", post, origin);
+    /// world.add_obstacle("post", post, origin)?;
     /// let mut checker = Checker::new(block, world)?;
     ///
     /// let path = [[-1.0, 0.0], [-1.0, 1.0], [1.0, 1.0], [1.0, 0.0]];
@@ -504,7 +504,9 @@ mod tests {
         let cube = |half: f64| solids::cuboid(Vector3::repeat(half)).expect("a box");
         let mut world = World::new();
         world.robot_body("block", cube(0.1));
-        world.obstacle("post", cube(0.1), Isometry3::translation(5.0, 5.0, 0.0));
+        world
+            .add_obstacle("post", cube(0.1), Isometry3::translation(5.0, 5.0, 0.0))
+            .expect("an obstacle");
         Checker::new(arm, world).expect("a world")
     }
 

@@ -59,37 +59,54 @@ fn scene(rng: &mut Rng, is_moving: bool) -> Checker<JointTree> {
         world.robot_body(name, geometry(rng));
     }
     let floor = Isometry3::translation(0.0, 0.0, -0.35);
-    world.obstacle("floor", HalfSpace::new(Vector3::z(), 0.0).expect("a half-space"), floor);
+    world
+        .add_obstacle("floor", HalfSpace::new(Vector3::z(), 0.0).expect("a half-space"), floor)
+        .expect("an obstacle");
     let corner =
         |rng: &mut Rng| Isometry3::translation(rng.range(-1.5, 1.5), rng.range(-1.5, 1.5), rng.range(-0.1, 0.1));
-    world.obstacle("post", geometry(rng), corner(rng));
+    world
+        .add_obstacle("post", geometry(rng), corner(rng))
+        .expect("an obstacle");
     if is_moving {
         let poses = [corner(rng), corner(rng)];
-        world.moving_obstacle(
-            "drone",
-            geometry(rng),
-            TimedPoses::new(&[0.0, 1.0], &poses).expect("poses"),
-        );
+        world
+            .add_moving_obstacle(
+                "drone",
+                geometry(rng),
+                TimedPoses::new(&[0.0, 1.0], &poses).expect("poses"),
+            )
+            .expect("an obstacle");
     }
     let mut checker = Checker::new(carts(9.0), world).expect("a world");
     let grip = Isometry3::translation(rng.range(-0.3, 0.3), rng.range(-0.3, 0.3), rng.range(-0.1, 0.1));
     checker
+        .world_mut()
         .attach("cart 0", "load", geometry(rng), grip, &["cart 0"])
         .expect("a load");
     if rng.chance(0.7) {
-        checker.set_margin(rng.log_range(1e-3, 0.3)).expect("a margin");
+        checker
+            .world_mut()
+            .set_margin(rng.log_range(1e-3, 0.3))
+            .expect("a margin");
     }
     if rng.chance(0.4) {
         checker
+            .world_mut()
             .pad(rng.pick(&names).as_str(), rng.log_range(1e-3, 0.3))
             .expect("a padding");
     }
     if rng.chance(0.3) {
-        checker.pad("load", rng.log_range(1e-3, 0.2)).expect("a padding");
+        checker
+            .world_mut()
+            .pad("load", rng.log_range(1e-3, 0.2))
+            .expect("a padding");
     }
     if rng.chance(0.5) {
         let margin = Some(rng.log_range(1e-3, 0.6));
-        checker.set_pair_margin("cart 1", "cart 2", margin).expect("a margin");
+        checker
+            .world_mut()
+            .set_pair_margin("cart 1", "cart 2", margin)
+            .expect("a margin");
     }
     checker
 }
@@ -260,13 +277,13 @@ fn margins_at_the_distance_of_the_boxes_are_decided() {
             let kept = gap * (1.0 + off);
             let expected = off < 0.0;
             let mut found = Vec::new();
-            checker.set_margin(kept).expect("a margin");
+            checker.world_mut().set_margin(kept).expect("a margin");
             found.push(checker.certify(&JointMotion::segment(&from, &to)));
             found.push(checker.certify(&JointMotion::curve(&curve)));
             let is_proven = crate::prove(&mut checker, &JointMotion::segment(&from, &to))
                 .expect("a motion")
                 .is_some();
-            checker.set_margin(0.0).expect("a margin");
+            checker.world_mut().set_margin(0.0).expect("a margin");
             // A tube counts twice for two movers, once for each; the tube of joints as it is.
             found.push(
                 checker.certify(
@@ -277,15 +294,18 @@ fn margins_at_the_distance_of_the_boxes_are_decided() {
             );
             let tube: Vec<f64> = tube.iter().map(|x| x * kept).collect();
             found.push(checker.certify(&JointMotion::curve(&curve).with_tube(&tube).expect("a motion")));
-            checker.set_pair_margin("0", "1", Some(kept)).expect("a margin");
+            checker
+                .world_mut()
+                .set_pair_margin("0", "1", Some(kept))
+                .expect("a margin");
             found.push(checker.certify(&JointMotion::segment(&from, &to)));
-            checker.set_pair_margin("0", "1", None).expect("a margin");
+            checker.world_mut().set_pair_margin("0", "1", None).expect("a margin");
             for name in ["0", "1"] {
-                checker.pad(name, 0.5 * kept).expect("a padding");
+                checker.world_mut().pad(name, 0.5 * kept).expect("a padding");
             }
             found.push(checker.certify(&JointMotion::segment(&from, &to)));
             for name in ["0", "1"] {
-                checker.pad(name, 0.0).expect("a padding");
+                checker.world_mut().pad(name, 0.0).expect("a padding");
             }
             for (k, verdict) in found.into_iter().enumerate() {
                 let verdict = verdict.expect("a motion");
@@ -322,7 +342,7 @@ fn contacts_at_the_start_are_listed_up_to_their_margin() {
             (0.0, 0.99),
             (1.5, 0.99),
         ] {
-            checker.set_margin(margin * gap).expect("a margin");
+            checker.world_mut().set_margin(margin * gap).expect("a margin");
             checker.set_start_contact_margin(Some(contact * gap)).expect("a margin");
             let verdict = checker.certify(&JointMotion::segment(&from, &to)).expect("a motion");
             assert_eq!(

@@ -45,7 +45,7 @@ fn lever(far: f64, is_own: bool, unit: f64) -> Checker<JointTree> {
         world.robot_body("post", post);
         links.push(3);
     } else {
-        world.obstacle("post", post, at);
+        world.add_obstacle("post", post, at).expect("an obstacle");
     }
     let radii = vec![0.0, 0.0, unit, 2.0 * unit];
     let lever = JointTree::new(Isometry3::identity(), joints, vec![[-3.0, 3.0]], links, radii).expect("a lever");
@@ -57,7 +57,7 @@ fn propeller(far: f64, unit: f64) -> Checker<RigidSpace> {
     let mut world = World::new();
     world.robot_body("rod", rod(1.0, unit));
     let (post, at) = post(far, unit);
-    world.obstacle("post", post, at);
+    world.add_obstacle("post", post, at).expect("an obstacle");
     let space = RigidSpace::new([[-4.0 * unit, 4.0 * unit]; 3], unit, 1).expect("a space");
     Checker::new(space, world).expect("a world")
 }

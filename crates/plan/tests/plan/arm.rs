@@ -19,7 +19,9 @@ fn checker(window: f64) -> Checker<JointTree> {
         ("back wall", -0.65, [0.0, TOP]),
     ] {
         let wall = solids::cuboid(Vector3::new(0.5, 0.01, 0.5 * (high - low))).expect("a box");
-        world.obstacle(name, wall, Isometry3::translation(x, 0.0, 0.5 * (low + high)));
+        world
+            .add_obstacle(name, wall, Isometry3::translation(x, 0.0, 0.5 * (low + high)))
+            .expect("an obstacle");
     }
     Checker::new(arm, world).expect("a cell")
 }

@@ -112,7 +112,9 @@ fn splines_within_a_tube_are_free() {
     let block = solids::cuboid(Vector3::new(0.2, 0.2, 0.2)).expect("a cuboid");
     let at = [[0.0, 0.7, 0.0], [0.0, -0.9, 0.1], [0.5, 0.1, 0.8], [-0.3, 0.2, -0.7]];
     for (k, [x, y, z]) in at.into_iter().enumerate() {
-        world.obstacle(k, block.clone(), Isometry3::translation(x, y, z));
+        world
+            .add_obstacle(k, block.clone(), Isometry3::translation(x, y, z))
+            .expect("an obstacle");
     }
     let space = TranslationSpace::new([[-2.0, 2.0]; 3], Default::default(), 1).expect("a space");
     let mut checker = Checker::new(space, world).expect("a checker");
@@ -128,7 +130,7 @@ fn splines_within_a_tube_are_free() {
         let verdict = checker
             .certify(&JointMotion::segment(&from, &to).with_radius(radius).expect("a motion"))
             .expect("a segment");
-        assert_eq!(checker.margin(), 0.0);
+        assert_eq!(checker.world().margin(), 0.0);
         assert_eq!(
             verdict.is_free(),
             radius < clearance,
@@ -193,17 +195,19 @@ fn fixed_steps_miss_what_certificates_find() {
 fn margins_are_kept() {
     let mut world = World::new();
     world.robot_body("die", solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
-    world.obstacle(
-        "wall",
-        solids::cuboid(Vector3::new(1.0, 3.0, 3.0)).expect("a box"),
-        Isometry3::translation(3.0, 0.0, 0.0),
-    );
+    world
+        .add_obstacle(
+            "wall",
+            solids::cuboid(Vector3::new(1.0, 3.0, 3.0)).expect("a box"),
+            Isometry3::translation(3.0, 0.0, 0.0),
+        )
+        .expect("an obstacle");
     let space = TranslationSpace::new([[-5.0, 5.0]; 3], Default::default(), 1).expect("a space");
     let mut checker = Checker::new(space, world).expect("a world");
     // The faces are 0.25 apart on the way.
     let ends = [vec![1.25, -1.0, 0.0], vec![1.25, 1.0, 0.0]];
     for (margin, is_free) in [(0.0, true), (0.249, true), (0.251, false)] {
-        checker.set_margin(margin).expect("a margin");
+        checker.world_mut().set_margin(margin).expect("a margin");
         assert_eq!(
             checker
                 .is_free(&JointMotion::segment(&ends[0], &ends[1]))
@@ -212,7 +216,7 @@ fn margins_are_kept() {
             "{margin}"
         );
     }
-    checker.set_margin(0.0).expect("a margin");
+    checker.world_mut().set_margin(0.0).expect("a margin");
     let found = checker
         .clearance_along(&JointMotion::segment(&ends[0], &ends[1]), 0.01)
         .expect("a segment");
@@ -235,7 +239,7 @@ fn margins_are_kept() {
     };
     assert!(safe < 0.5 && 0.5 < t && t - safe < 1e-5, "{verdict:?}");
     assert!((witnesses[0].x - 2.0).abs() < 1e-5 && (witnesses[1].x - 2.0).abs() < 1e-12);
-    assert!(checker.set_margin(f64::NAN).is_err());
+    assert!(checker.world_mut().set_margin(f64::NAN).is_err());
 }
 
 /// The clearance among few and many obstacles, the robot near some, far from all, in contact, by
@@ -287,11 +291,13 @@ fn clearances_are_those_of_all_pairs() {
         world.robot_body("ball", Shape::ball(0.3).expect("a ball"));
         for k in 0..side * side {
             let at = Vector3::new(f64::from(k % side), f64::from(k / side), 0.0);
-            world.obstacle(
-                k,
-                Shape::ball(0.2).expect("a ball"),
-                Isometry3::from_parts(at.into(), Default::default()),
-            );
+            world
+                .add_obstacle(
+                    k,
+                    Shape::ball(0.2).expect("a ball"),
+                    Isometry3::from_parts(at.into(), Default::default()),
+                )
+                .expect("an obstacle");
         }
         let space = TranslationSpace::new([[0.0, 40.0]; 3], Default::default(), 1).expect("a space");
         let mut checker = Checker::new(space, world).expect("a world");
@@ -310,7 +316,9 @@ fn a_turn_is_more_than_its_ends() {
     let mut world = World::new();
     world.robot_body("rod", solids::cuboid(Vector3::new(1.0, 0.02, 0.02)).expect("a box"));
     let post = solids::cuboid(Vector3::repeat(0.01)).expect("a box");
-    world.obstacle("post", post, Isometry3::translation(0.6, 0.6, 0.0));
+    world
+        .add_obstacle("post", post, Isometry3::translation(0.6, 0.6, 0.0))
+        .expect("an obstacle");
     let space = RigidSpace::new([[-1.0, 1.0]; 3], 1.0, 1).expect("a space");
     let mut checker = Checker::new(space, world).expect("a world");
     let at = |angle: f64| RigidSpace::configuration(&Isometry3::rotation(Vector3::z() * angle));
@@ -345,7 +353,9 @@ fn obstacles_of_every_kind() {
     for (name, shape) in kinds {
         let mut world = World::new();
         world.robot_body("die", die());
-        world.obstacle(name, shape, Isometry3::translation(0.0, 0.0, 0.0));
+        world
+            .add_obstacle(name, shape, Isometry3::translation(0.0, 0.0, 0.0))
+            .expect("an obstacle");
         let space = RigidSpace::new([[-9.0, 9.0]; 3], 0.9, 1).expect("a space");
         let mut checker = Checker::new(space, world).expect("a world");
         let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, -0.1));
@@ -409,23 +419,29 @@ fn bad_input_is_named() {
             near: None
         })
     );
-    world.obstacle(
-        "bead",
-        Mesh::from_convex(&room.robot).expect("a mesh"),
-        Isometry3::identity(),
-    );
+    world
+        .add_obstacle(
+            "bead",
+            Mesh::from_convex(&room.robot).expect("a mesh"),
+            Isometry3::identity(),
+        )
+        .expect("an obstacle");
     let mut round = World::new();
     round.robot_body("ball", Shape::ball(1.0).expect("a ball"));
-    round.obstacle(
-        "bead",
-        Mesh::from_convex(&room.robot).expect("a mesh"),
-        Isometry3::identity(),
-    );
+    round
+        .add_obstacle(
+            "bead",
+            Mesh::from_convex(&room.robot).expect("a mesh"),
+            Isometry3::identity(),
+        )
+        .expect("an obstacle");
     assert!(Checker::new(room.space(), round).is_ok());
     let mesh = Mesh::from_convex(&room.robot).expect("a mesh");
     let mut curved = World::new();
     let patches = BezierSurface::from_mesh(&mesh).expect("a surface");
     curved.robot_body("bracket", mesh);
-    curved.obstacle("dome", patches, Isometry3::identity());
+    curved
+        .add_obstacle("dome", patches, Isometry3::identity())
+        .expect("an obstacle");
     assert!(Checker::new(room.space(), curved).is_ok());
 }

@@ -4,10 +4,12 @@
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Geometry, Mesh, PairTracker, RelativePose, Shape};
+use lin_canny_plan::receipt::Receipt;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, PlanError, RigidSpace, TreeJoint, Verdict,
-    World, WorldId, WorldPair,
+    Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, PairBoxes, PlanError, PlanOptions,
+    RangeOptions, RangeProver, RigidSpace, RrtConnect, Shortcuts, TreeJoint, Verdict, World, WorldId, WorldPair, widen,
 };
+use std::ops::ControlFlow;
 use truth::rng::Rng;
 
 const LIMITS: [f64; 2] = [-2.5, 2.5];
@@ -85,42 +87,67 @@ fn stored(world: &World) -> Checker<JointTree> {
     Checker::new(arm(), world.clone()).expect("a world")
 }
 
-/// Makes a random change; refused changes must change nothing.
+/// Makes random changes: one, several at once, or another world.
 fn change(checker: &mut Checker<JointTree>, rng: &mut Rng) {
+    match rng.below(14) {
+        0 => {
+            let (name, q) = (*rng.pick(&["a", "b", "c", "upper"]), sample(rng));
+            let before = format!("{:?}", checker.world());
+            if checker.detach_at(name, &q).is_err() {
+                assert_eq!(format!("{:?}", checker.world()), before);
+            }
+        }
+        1 => *checker = stored(checker.world()),
+        2 => {
+            let mut other = checker.world().clone();
+            change_world(&mut other, rng);
+            change_world(&mut checker.world_mut(), rng);
+            *checker.world_mut() = other;
+        }
+        3..=6 => {
+            let mut world = checker.world_mut();
+            for _ in 0..2 + rng.below(4) {
+                change_world(&mut world, rng);
+            }
+        }
+        _ => change_world(&mut checker.world_mut(), rng),
+    }
+}
+
+/// Makes a random change; refused changes must change nothing.
+fn change_world(world: &mut World, rng: &mut Rng) {
     let names = ["a", "b", "c", "upper", "fore", "hand", "tool", "nobody"];
     let name = *rng.pick(&names[..4]);
     let [one, two] = [*rng.pick(&names), *rng.pick(&names)];
-    let all: Vec<WorldId> = checker.world().bodies().map(|b| b.0).collect();
+    let all: Vec<WorldId> = world.bodies().map(|b| b.0).collect();
     let id = *rng.pick(&all);
     let link = *rng.pick(&names[3..]);
-    let before = format!("{:?}", checker.world());
+    let before = format!("{world:?}");
     let is_refused = match rng.below(14) {
-        0 | 1 => checker.add_obstacle(name, geometry(rng), pose(rng, 1.6)).is_err(),
-        2 => checker.move_obstacle(name, pose(rng, 1.6)).is_err(),
-        3 => checker.move_obstacle(id, pose(rng, 1.6)).is_err(),
-        4 => checker.replace_obstacle(id, geometry(rng)).is_err(),
-        5 => checker
+        0 | 1 => world.add_obstacle(name, geometry(rng), pose(rng, 1.6)).is_err(),
+        2 => world.move_obstacle(name, pose(rng, 1.6)).is_err(),
+        3 => world.move_obstacle(id, pose(rng, 1.6)).is_err(),
+        4 => world.replace_obstacle(id, geometry(rng)).is_err(),
+        5 => world
             .remove_obstacle(if rng.below(4) == 0 { name } else { "c" })
             .is_err(),
-        6 => checker
-            .attach(link, name, geometry(rng), pose(rng, 0.2), &[one])
-            .is_err(),
-        7 => checker.detach(name).is_err(),
-        8 => checker.detach_at(name, &sample(rng)).is_err(),
-        9 => checker.pad(one, *rng.pick(&[0.0, 0.01, 0.2, -1.0])).is_err(),
+        6 => world.attach(link, name, geometry(rng), pose(rng, 0.2), &[one]).is_err(),
+        7 => world.detach(name).is_err(),
+        8 => world.set_margin(*rng.pick(&[0.02, 0.0, 0.05, -1.0])).is_err(),
+        9 => world.pad(one, *rng.pick(&[0.0, 0.01, 0.2, -1.0])).is_err(),
         10 => {
             let margin = *rng.pick(&[None, Some(0.0), Some(0.05), Some(f64::NAN)]);
-            checker.set_pair_margin(one, two, margin).is_err()
+            world.set_pair_margin(one, two, margin).is_err()
         }
-        11 => checker.exclude(one, two).is_err(),
-        12 => checker.include(one, id).is_err(),
+        11 => world.exclude(one, two).is_err(),
+        12 => world.include(one, id).is_err(),
         _ => {
-            *checker = stored(checker.world());
+            world.exclude_if(|pair| pair.a == id && pair.b == all[0]);
             false
         }
     };
     if is_refused {
-        assert_eq!(format!("{:?}", checker.world()), before);
+        assert_eq!(format!("{world:?}"), before);
     }
 }
 
@@ -148,8 +175,8 @@ fn judge(sequences: usize, changes: usize, seed: u64) {
         let mut rng = Rng::new(seed + k as u64);
         let mut checker = Checker::new(arm(), world()).expect("a world");
         let mut warm = Checker::new(arm(), world()).expect("a world");
-        checker.set_margin(0.02).expect("a margin");
-        warm.set_margin(0.02).expect("a margin");
+        checker.world_mut().set_margin(0.02).expect("a margin");
+        warm.world_mut().set_margin(0.02).expect("a margin");
         for step in 0..changes {
             let mut same = rng.clone();
             change(&mut checker, &mut rng);
@@ -218,23 +245,34 @@ fn loaded(rng: &mut Rng) -> Checker<JointTree> {
     for k in 0..12 {
         let at = pose(rng, 1.8);
         if at.translation.vector.norm() > 0.8 {
-            checker.add_obstacle(k, geometry(rng), at).expect("an obstacle");
+            checker
+                .world_mut()
+                .add_obstacle(k, geometry(rng), at)
+                .expect("an obstacle");
         }
     }
     let grip = ["hand", "tool"];
     checker
+        .world_mut()
         .attach("tool", "part", geometry(rng), pose(rng, 0.15), &grip)
         .expect("a part");
     checker
+        .world_mut()
         .attach("upper", "pack", geometry(rng), pose(rng, 0.4), &["fore"])
         .expect("a pack");
-    checker.set_margin(0.01).expect("a margin");
-    checker.pad("part", 0.03).expect("a padding");
-    checker.pad("hand", 0.005).expect("a padding");
+    checker.world_mut().set_margin(0.01).expect("a margin");
+    checker.world_mut().pad("part", 0.03).expect("a padding");
+    checker.world_mut().pad("hand", 0.005).expect("a padding");
     let id = checker.world().bodies().map(|b| b.0).last().expect("a body");
-    checker.pad(id, 0.02).expect("a padding");
-    checker.set_pair_margin("fore", id, Some(0.0)).expect("a margin");
-    checker.set_pair_margin("pack", id, Some(0.1)).expect("a margin");
+    checker.world_mut().pad(id, 0.02).expect("a padding");
+    checker
+        .world_mut()
+        .set_pair_margin("fore", id, Some(0.0))
+        .expect("a margin");
+    checker
+        .world_mut()
+        .set_pair_margin("pack", id, Some(0.1))
+        .expect("a margin");
     checker
 }
 
@@ -354,7 +392,9 @@ fn a_change_of_one_obstacle_measures_its_own_pairs_alone() {
     let mut world = world();
     for k in 0..1000 {
         let (x, y) = (f64::from(k % 32), f64::from(k / 32));
-        world.obstacle(k, Shape::ball(0.2).expect("a ball"), Isometry3::translation(x, y, 0.5));
+        world
+            .add_obstacle(k, Shape::ball(0.2).expect("a ball"), Isometry3::translation(x, y, 0.5))
+            .expect("an obstacle");
     }
     let mut checker = Checker::new(arm(), world).expect("a world");
     let q = [0.3, 0.1, 0.1];
@@ -363,19 +403,21 @@ fn a_change_of_one_obstacle_measures_its_own_pairs_alone() {
     assert_eq!(made, 3 * 1000 + 1);
     for k in 0..10 {
         let at = Isometry3::translation(1.0, f64::from(k), 0.3);
-        checker.move_obstacle("500", at).expect("an obstacle");
+        checker.world_mut().move_obstacle("500", at).expect("an obstacle");
         checker
+            .world_mut()
             .replace_obstacle("501", cuboid(0.1, 0.1, 0.1))
             .expect("an obstacle");
     }
     assert_eq!(checker.work().pairs_made, made);
     let id = checker
+        .world_mut()
         .add_obstacle("new", cuboid(0.1, 0.1, 0.1), Isometry3::translation(0.0, 2.0, 0.0))
         .expect("an obstacle");
     assert_eq!(checker.work().pairs_made, made + 3);
-    checker.remove_obstacle(id).expect("an obstacle");
-    checker.exclude("upper", "500").expect("names");
-    checker.include("upper", "500").expect("names");
+    checker.world_mut().remove_obstacle(id).expect("an obstacle");
+    checker.world_mut().exclude("upper", "500").expect("names");
+    checker.world_mut().include("upper", "500").expect("names");
     assert_eq!(checker.work().pairs_made, made + 4);
 }
 
@@ -384,36 +426,102 @@ fn removed_bodies_and_unknown_names_are_errors_that_say_so() {
     let mut checker = Checker::new(arm(), world()).expect("a world");
     let at = Isometry3::translation(0.0, 3.0, 0.0);
     let ball = || Shape::ball(0.1).expect("a ball");
-    let post = checker.add_obstacle("post", ball(), at).expect("an obstacle");
-    assert_eq!(checker.remove_obstacle(post), Ok(vec![post]));
-    assert_eq!(checker.move_obstacle(post, at), Err(PlanError::Removed(post)));
+    let post = checker
+        .world_mut()
+        .add_obstacle("post", ball(), at)
+        .expect("an obstacle");
+    assert_eq!(checker.world_mut().remove_obstacle(post), Ok(vec![post]));
+    assert_eq!(
+        checker.world_mut().move_obstacle(post, at),
+        Err(PlanError::Removed(post))
+    );
     assert_eq!(post.to_string(), "obstacle 0");
-    let next = checker.add_obstacle("post", ball(), at).expect("an obstacle");
+    let next = checker
+        .world_mut()
+        .add_obstacle("post", ball(), at)
+        .expect("an obstacle");
     assert_eq!(next, WorldId::Obstacle(1));
     let text = |error: PlanError| error.to_string();
-    let missing = checker.move_obstacle("posts", at).expect_err("a misspelt name");
+    let missing = checker
+        .world_mut()
+        .move_obstacle("posts", at)
+        .expect_err("a misspelt name");
     assert_eq!(text(missing), "body \"posts\" does not exist (nearest: \"post\")");
-    let robot = checker.move_obstacle("hand", at).expect_err("a link");
+    let robot = checker.world_mut().move_obstacle("hand", at).expect_err("a link");
     assert_eq!(text(robot), "hand is not an obstacle");
-    let bare = checker.exclude("tool", "post").expect_err("a frame");
+    let bare = checker.world_mut().exclude("tool", "post").expect_err("a frame");
     assert_eq!(text(bare), "link \"tool\" has no bodies, so it has no pairs");
     let link = checker
+        .world_mut()
         .attach("tol", "part", ball(), at, &[])
         .expect_err("a misspelt link");
     assert_eq!(text(link), "body \"tol\" does not exist (nearest: \"tool\")");
     let far = Isometry3::translation(f64::NAN, 0.0, 0.0);
-    assert!(checker.add_obstacle("far", ball(), far).is_err());
-    assert!(checker.move_obstacle("post", far).is_err());
+    assert!(checker.world_mut().add_obstacle("far", ball(), far).is_err());
+    assert!(checker.world_mut().move_obstacle("post", far).is_err());
     for name in ["hand", "tool"] {
         checker
+            .world_mut()
             .attach(name, "twin", ball(), Isometry3::identity(), &[])
             .expect("an object");
     }
     let twins = checker.detach_at("twin", &[0.0; 3]).expect_err("two objects");
     assert_eq!(text(twins), "2 bodies are named \"twin\" (expected one)");
-    assert_eq!(checker.detach("twin").map(|ids| ids.len()), Ok(2));
-    assert!(checker.pad("post", -0.1).is_err());
+    assert_eq!(checker.world_mut().detach("twin").map(|ids| ids.len()), Ok(2));
+    assert!(checker.world_mut().pad("post", -0.1).is_err());
     assert_eq!(checker.world().excluded_names(), [["fore", "hand"], ["fore", "upper"]]);
+}
+
+#[test]
+fn a_world_that_does_not_fit_is_an_error_of_every_call() {
+    let mut checker = Checker::new(arm(), world()).expect("a world");
+    let good = checker.world().clone();
+    let (q, p) = ([0.1, 0.2, 0.1], [0.3, 0.2, 0.1]);
+    let free = checker.is_free_at(&q);
+    let motion = JointMotion::segment(&q, &p);
+    let mut more = good.clone();
+    let extra = more.robot_body("extra", cuboid(0.1, 0.1, 0.1));
+    let faults: [fn(&mut World, World); 3] = [
+        |world, _| _ = world.robot_body("extra", cuboid(0.1, 0.1, 0.1)),
+        |world, _| *world = World::new(),
+        |world, more| *world = more,
+    ];
+    for fault in faults {
+        fault(&mut checker.world_mut(), more.clone());
+        let boxes = checker.fork().err();
+        let said = checker.is_free_at(&q).expect_err("another robot");
+        assert!(matches!(said, PlanError::Bodies { .. }), "{said}");
+        assert_eq!(boxes, Some(said.clone()));
+        let options = RangeOptions::default();
+        for found in [
+            checker.in_contact(&q).map(|_| ()),
+            checker.clearance(&q).map(|_| ()),
+            checker.nearest(&q, 0.1).map(|_| ()),
+            checker.nearest_batch(&q, 1, 0.1, 1).map(|_| ()),
+            checker.certify(&motion).map(|_| ()),
+            checker.is_free(&motion).map(|_| ()),
+            checker.tube_contact(&motion, 0, 0.0).map(|_| ()),
+            checker.clearance_along(&motion, 0.1).map(|_| ()),
+            checker.pose(extra, &q).map(|_| ()),
+            checker.link_pose("tool", &q).map(|_| ()),
+            checker.set_time(1.0),
+            checker.detach_at("part", &q).map(|_| ()),
+            RangeProver::new(&options).all_pairs(&mut checker, &q, &p).map(|_| ()),
+            RrtConnect::new(&PlanOptions::default())
+                .plan(&mut checker, &q, &p)
+                .map(|_| ()),
+            Shortcuts::new(1, 1)
+                .shorten(&mut checker, &[q.to_vec(), p.to_vec(), q.to_vec()])
+                .map(|_| ()),
+            widen(&mut checker, &[q.to_vec(), p.to_vec(), q.to_vec()], 0.1, 0.1, 1).map(|_| ()),
+            PairBoxes::search(&mut checker, 1, &mut |_| ControlFlow::Continue(())).map(|_| ()),
+        ] {
+            assert!(found.is_err(), "{found:?}");
+        }
+        assert!(Receipt::motion(&mut checker, &motion).is_err());
+        *checker.world_mut() = good.clone();
+        assert_eq!(checker.is_free_at(&q), free);
+    }
 }
 
 #[test]
@@ -422,7 +530,10 @@ fn an_object_that_is_put_down_stays_where_it_was() {
     for _ in 0..30 {
         let mut checker = Checker::new(arm(), world()).expect("a world");
         let (shape, grip, q) = (geometry(&mut rng), pose(&mut rng, 0.2), sample(&mut rng));
-        let id = checker.attach("tool", "part", shape, grip, &["hand"]).expect("a part");
+        let id = checker
+            .world_mut()
+            .attach("tool", "part", shape, grip, &["hand"])
+            .expect("a part");
         let at = checker.pose(id, &q).expect("a pose");
         let link = checker.link_pose("tool", &q).expect("a pose");
         assert!(((link * grip).translation.vector - at.translation.vector).norm() < 1e-12);
@@ -469,14 +580,17 @@ fn gradients_equal_finite_differences() {
 fn gradients_of_rigid_bodies_equal_finite_differences() {
     let mut world = World::new();
     world.robot_body("plank", cuboid(0.5, 0.1, 0.05));
-    world.obstacle(
-        "ball",
-        Shape::ball(0.2).expect("a ball"),
-        Isometry3::translation(0.2, 1.0, 0.3),
-    );
+    world
+        .add_obstacle(
+            "ball",
+            Shape::ball(0.2).expect("a ball"),
+            Isometry3::translation(0.2, 1.0, 0.3),
+        )
+        .expect("an obstacle");
     let space = RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1).expect("a space");
     let mut checker = Checker::new(space, world).expect("a world");
     checker
+        .world_mut()
         .attach(
             "plank",
             "knob",
@@ -551,7 +665,10 @@ fn worlds_and_answers_are_stored() {
     let mut rng = Rng::new(37);
     for _ in 0..5 {
         let mut checker = loaded(&mut rng);
-        checker.remove_obstacle(WorldId::Obstacle(0)).expect("an obstacle");
+        checker
+            .world_mut()
+            .remove_obstacle(WorldId::Obstacle(0))
+            .expect("an obstacle");
         let text = serde_json::to_string(checker.world()).expect("a world");
         let world: World = serde_json::from_str(&text).expect("a world");
         let mut read = Checker::new(arm(), world).expect("a world");

@@ -215,7 +215,9 @@ fn slider() -> Checker<JointTree> {
     let space = JointTree::serial(origin, joints, vec![3], 0.2).expect("an arm");
     let mut world = World::new();
     world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
-    world.obstacle("box", solids::cuboid(Vector3::repeat(0.5)).expect("a box"), origin);
+    world
+        .add_obstacle("box", solids::cuboid(Vector3::repeat(0.5)).expect("a box"), origin)
+        .expect("an obstacle");
     Checker::new(space, world).expect("a world")
 }
 
@@ -532,7 +534,9 @@ fn angles_of_planar_curves_do_not_jump() {
     let arm = solids::cuboid(Vector3::new(0.5, 0.05, 0.05)).expect("a box");
     let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
     world.robot_body("arm", arm.transformed(&at(0.6)).expect("a box"));
-    world.obstacle("post", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), at(1.0));
+    world
+        .add_obstacle("post", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), at(1.0))
+        .expect("an obstacle");
     let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
     let mut checker = Checker::new(space, world).expect("a world");
     let ends = [[0.0, 0.0, 3.0], [0.0, 0.0, -3.0]];
@@ -1024,7 +1028,9 @@ fn a_contact_in_a_tube_has_its_time() {
     let x = |x: f64| Isometry3::translation(x, 3.0, 0.0);
     let poses = lin_canny_plan::TimedPoses::new(&[0.0, 10.0], &[x(10.0), x(0.25)]).expect("poses");
     let mut world = checker.world().clone();
-    world.moving_obstacle("cart", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), poses);
+    world
+        .add_moving_obstacle("cart", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), poses)
+        .expect("an obstacle");
     let mut moving = Checker::new(checker.space().clone(), world).expect("a world");
     let still = JointCurve::bezier(&[[0.0, 3.0, 0.0]; 2]).expect("a curve");
     let still = still.with_times([0.0, 10.0]).expect("times");
@@ -1087,9 +1093,15 @@ fn crane(unit: f64) -> Checker<JointTree> {
     );
     world.exclude("slide", "hook").expect("names");
     world.exclude("boom", "slide").expect("names");
-    world.obstacle("post", cuboid(0.2, 0.2, 1.0), at(1.1, 0.8, 0.0));
-    world.obstacle("pillar", cuboid(0.2, 0.2, 1.0), at(1.2, -0.7, 0.0));
-    world.obstacle("floor", cuboid(9.0, 9.0, 0.1), at(0.0, 0.0, -1.0));
+    world
+        .add_obstacle("post", cuboid(0.2, 0.2, 1.0), at(1.1, 0.8, 0.0))
+        .expect("an obstacle");
+    world
+        .add_obstacle("pillar", cuboid(0.2, 0.2, 1.0), at(1.2, -0.7, 0.0))
+        .expect("an obstacle");
+    world
+        .add_obstacle("floor", cuboid(9.0, 9.0, 0.1), at(0.0, 0.0, -1.0))
+        .expect("an obstacle");
     Checker::new(space, world).expect("a world")
 }
 

@@ -60,7 +60,9 @@ fn joints_that_turn_thousands_of_times_end() {
         world.robot_body("link", solids::cuboid(Vector3::new(0.1, 0.04, 0.03)).expect("a box"));
     }
     let post = solids::cuboid(Vector3::new(0.03, 0.03, 0.6)).expect("a box");
-    world.obstacle("post", post, Isometry3::translation(0.0, 30.0, 0.0));
+    world
+        .add_obstacle("post", post, Isometry3::translation(0.0, 30.0, 0.0))
+        .expect("an obstacle");
     world.exclude("link", "link").expect("names");
     let arm = JointTree::serial(Isometry3::identity(), chain, (1..=joints).collect(), 0.3).expect("an arm");
     let mut checker = Checker::new(arm, world).expect("a world");

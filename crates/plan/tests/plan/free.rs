@@ -100,7 +100,7 @@ fn a_margin_makes_configurations_blocked_that_are_nearer() {
             continue;
         }
         for (part, is_free) in [(0.999, true), (1.001, false)] {
-            checker.set_margin(near.distance * part).expect("a margin");
+            checker.world_mut().set_margin(near.distance * part).expect("a margin");
             assert_eq!(checker.is_free_at(&q).expect("a configuration"), is_free, "{near:?}");
             assert_eq!(
                 checker.is_free(&JointMotion::segment(&q, &q)).expect("a configuration"),
@@ -109,7 +109,7 @@ fn a_margin_makes_configurations_blocked_that_are_nearer() {
             );
             tally[usize::from(is_free)] += 1;
         }
-        checker.set_margin(0.0).expect("a margin");
+        checker.world_mut().set_margin(0.0).expect("a margin");
     }
     assert!(tally[0] > 20, "{tally:?}");
 }
@@ -169,7 +169,9 @@ fn tips_of_obstacles_at_poses_off_unit_length_are_met() {
         );
         let mut world = World::new();
         world.robot_body("probe", Shape::ball(radius).expect("a ball"));
-        world.obstacle("octahedron", body.clone(), pose);
+        world
+            .add_obstacle("octahedron", body.clone(), pose)
+            .expect("an obstacle");
         let space = RigidSpace::new([[-2e3, 2e3]; 3], 1.0, 1).expect("a space");
         let mut checker = Checker::new(space, world).expect("a world");
         for (x, y) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {

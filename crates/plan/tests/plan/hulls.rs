@@ -39,9 +39,9 @@ fn room(seed: u64) -> Checker<RigidSpace> {
         let turn = Vector3::from(rng.unit()) * rng.range(0.0, 3.0);
         let pose = Isometry3::from_parts(at.into(), UnitQuaternion::from_scaled_axis(turn));
         match k % 4 {
-            0 => world.obstacle(k, block.clone(), pose),
-            1 => world.obstacle(k, sheet.clone(), pose),
-            _ => world.obstacle(k, angle(), pose),
+            0 => world.add_obstacle(k, block.clone(), pose).expect("an obstacle"),
+            1 => world.add_obstacle(k, sheet.clone(), pose).expect("an obstacle"),
+            _ => world.add_obstacle(k, angle(), pose).expect("an obstacle"),
         };
     }
     let space = RigidSpace::new([[-5.0, 5.0]; 3], 1.6, 1).expect("a space");
@@ -72,7 +72,7 @@ fn configurations_have_the_answers_of_the_meshes() {
         let mut checker = room(seed);
         let mut rng = Rng::new(100 + seed);
         for margin in [0.0, 0.2] {
-            checker.set_margin(margin).expect("a margin");
+            checker.world_mut().set_margin(margin).expect("a margin");
             for _ in 0..60 {
                 let q = sample(&checker, &mut rng);
                 let all = distances(&checker, &q);
@@ -152,7 +152,9 @@ fn meshes_are_not_queried_where_their_hulls_are_apart() {
     let mut world = World::new();
     world.robot_body("angle", angle());
     let turned = UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::PI);
-    let other = world.obstacle("other", angle(), Isometry3::from_parts(Vector3::zeros().into(), turned));
+    let other = world
+        .add_obstacle("other", angle(), Isometry3::from_parts(Vector3::zeros().into(), turned))
+        .expect("an obstacle");
     let space = RigidSpace::new([[-5.0, 5.0]; 3], 1.6, 1).expect("a space");
     let mut checker = Checker::new(space.clone(), world.clone()).expect("a world");
     let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, 0.0));
@@ -182,7 +184,10 @@ fn meshes_are_not_queried_where_their_hulls_are_apart() {
     // The hull of a geometry that is replaced goes with it.
     let block = solids::cuboid(Vector3::repeat(4.0)).expect("a box");
     let large = Mesh::from_convex(&block).expect("a mesh");
-    checker.replace_obstacle(other, large).expect("the obstacle");
+    checker
+        .world_mut()
+        .replace_obstacle(other, large)
+        .expect("the obstacle");
     assert!(!checker.is_free_at(&far).expect("a configuration"));
 }
 
@@ -195,14 +200,20 @@ fn hulls_keep_what_each_pair_must_keep() {
         let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.7]].map(Point3::from);
         let tent = Mesh::new(&corners, &[[0, 1, 3], [1, 2, 3]]).expect("an open mesh");
         let pose = Isometry3::translation(1.0, -1.0, 0.5);
-        checker.add_obstacle("tent", tent, pose).expect("an obstacle");
+        checker
+            .world_mut()
+            .add_obstacle("tent", tent, pose)
+            .expect("an obstacle");
         let grip = Isometry3::translation(1.2, 0.0, 0.3);
-        let tool = checker.attach("angle", "tool", angle(), grip, &["angle"]);
+        let tool = checker.world_mut().attach("angle", "tool", angle(), grip, &["angle"]);
         let tool = tool.expect("a tool");
-        checker.set_margin(0.01).expect("a margin");
-        checker.pad(tool, 0.15).expect("the tool");
-        checker.pad("tent", 0.05).expect("the tent");
-        checker.set_pair_margin("angle", "2", Some(0.4)).expect("a pair");
+        checker.world_mut().set_margin(0.01).expect("a margin");
+        checker.world_mut().pad(tool, 0.15).expect("the tool");
+        checker.world_mut().pad("tent", 0.05).expect("the tent");
+        checker
+            .world_mut()
+            .set_pair_margin("angle", "2", Some(0.4))
+            .expect("a pair");
         // The least distance of a pair by the meshes alone, less what it must keep.
         let excess = |checker: &Checker<RigidSpace>, q: &[f64]| {
             let world = checker.world();
@@ -259,7 +270,7 @@ fn moving_meshes_have_the_verdicts_of_the_meshes() {
         let mut world = World::new();
         world.robot_body("angle", angle());
         let poses = TimedPoses::new(&[0.0, 1.0, 3.0], &poses).expect("timed poses");
-        world.moving_obstacle("other", angle(), poses);
+        world.add_moving_obstacle("other", angle(), poses).expect("an obstacle");
         let space = TranslationSpace::new([[-5.0, 5.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
         let mut checker = Checker::new(space, world).expect("a world");
         let curve = JointCurve::bezier(&[from, to]).expect("a curve");

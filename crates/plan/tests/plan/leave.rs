@@ -53,15 +53,20 @@ fn run(seed: u64, count: u64) {
         let mut checker = Checker::new(space, world).expect("a checker");
         // The part is below the hand, and the table is below the part.
         let below = Isometry3::translation(0.0, 0.0, -0.3);
-        let id = checker.attach("hand", "part", rng.pick(&parts()).clone(), below, &["hand"]);
+        let id = checker
+            .world_mut()
+            .attach("hand", "part", rng.pick(&parts()).clone(), below, &["hand"]);
         let id = id.expect("an object");
         let q: Vec<f64> = (0..5).map(|_| rng.range(-0.5, 0.5)).collect();
         let upright = rng.chance(0.5);
         let q = if upright { [&q[..4], &[0.0]].concat() } else { q };
         let resting = checker.pose(id, &q).expect("a pose") * Isometry3::translation(0.1, 0.05, -0.1);
-        checker.add_obstacle("table", table.clone(), resting).expect("a table");
+        checker
+            .world_mut()
+            .add_obstacle("table", table.clone(), resting)
+            .expect("a table");
         let margin = [0.0, 5e-4][rng.below(2)];
-        checker.set_margin(margin).expect("a margin");
+        checker.world_mut().set_margin(margin).expect("a margin");
         checker.set_start_contact_margin(Some(1e-3)).expect("a margin");
         let mut goal: Vec<f64> = q.iter().map(|x| x + rng.range(-0.4, 0.4)).collect();
         let is_sliding = upright && rng.chance(0.5);

@@ -21,15 +21,17 @@ fn rails(has_cart: bool) -> Checker<JointTree> {
     if has_cart {
         let at = |y: f64| Isometry3::translation(0.0, y, 0.0);
         let poses = TimedPoses::new(&[0.0, 10.0], &[at(-3.0), at(3.0)]).expect("poses");
-        world.moving_obstacle("cart", post, poses);
+        world.add_moving_obstacle("cart", post, poses).expect("an obstacle");
     } else {
-        world.obstacle("post", post, origin);
+        world.add_obstacle("post", post, origin).expect("an obstacle");
     }
-    world.obstacle(
-        "ball",
-        Shape::ball(0.2).expect("a ball"),
-        Isometry3::translation(2.0, 2.0, 0.0),
-    );
+    world
+        .add_obstacle(
+            "ball",
+            Shape::ball(0.2).expect("a ball"),
+            Isometry3::translation(2.0, 2.0, 0.0),
+        )
+        .expect("an obstacle");
     Checker::new(block, world).expect("a world")
 }
 
@@ -147,7 +149,7 @@ fn a_tube_around_a_path_holds_for_each_piece() {
         .expect("a contact");
     assert!((found.1[1] - 0.39).abs() < 1e-12, "{found:?}");
     // The margin and the start contacts of the checker are as before.
-    assert_eq!((checker.margin(), checker.start_contact_margin()), (0.0, None));
+    assert_eq!((checker.world().margin(), checker.start_contact_margin()), (0.0, None));
     assert!(checker.certify(&path).expect("within limits").is_free());
     let along = checker.clearance_along(&path, 1e-2).expect("within limits");
     assert!(

@@ -42,7 +42,9 @@ fn slider(size: f64, obstacles: &[(Geometry, TimedPoses)]) -> Checker<JointTree>
     let mut world = World::new();
     world.robot_body("block", cuboid([size; 3]));
     for (k, (geometry, poses)) in obstacles.iter().enumerate() {
-        world.moving_obstacle(format!("cart {k}"), geometry.clone(), poses.clone());
+        world
+            .add_moving_obstacle(format!("cart {k}"), geometry.clone(), poses.clone())
+            .expect("an obstacle");
     }
     Checker::new(space, world).expect("a world")
 }
@@ -175,7 +177,9 @@ fn an_obstacle_that_keeps_pace_is_free_unless_it_touches() {
         let mut world = World::new();
         world.robot_body("block", placed(0.0, 0.5));
         let quarters = [0.0, 1.0, 2.0].map(|k| Isometry3::rotation(Vector3::z() * (k * FRAC_PI_2)));
-        world.moving_obstacle("arm", placed(0.9 + gap, 0.4), poses(&[0.0, 1.0, 2.0], &quarters));
+        world
+            .add_moving_obstacle("arm", placed(0.9 + gap, 0.4), poses(&[0.0, 1.0, 2.0], &quarters))
+            .expect("an obstacle");
         let mut checker = Checker::new(space, world).expect("a world");
         let along = JointCurve::bezier(&[[0.0], [PI]]).expect("a curve");
         let along = along.with_times([0.0, 2.0]).expect("times");
@@ -513,6 +517,7 @@ fn moving_obstacles_come_and_go() {
     );
     checker.set_time(0.5).expect("nothing moves");
     let id = checker
+        .world_mut()
         .add_moving_obstacle("press", cuboid([1.0; 3]), timed.clone())
         .expect("a pose");
     assert_eq!(checker.world().obstacle_motion(id), Some(&timed));
@@ -532,7 +537,10 @@ fn moving_obstacles_come_and_go() {
             .expect("times")
             .is_free()
     );
-    checker.replace_obstacle(id, cuboid([0.1; 3])).expect("an obstacle");
+    checker
+        .world_mut()
+        .replace_obstacle(id, cuboid([0.1; 3]))
+        .expect("an obstacle");
     assert!(
         checker
             .certify(&JointMotion::curve(&still([0.0, 0.7])))
@@ -541,11 +549,28 @@ fn moving_obstacles_come_and_go() {
     );
     // Without a pose at the time of configurations.
     let late = poses(&[2.0, 3.0], &rows);
-    let error = checker.add_moving_obstacle("late", cuboid([1.0; 3]), late);
-    assert!(matches!(error, Err(PlanError::PoseTime { .. })), "{error:?}");
-    assert_eq!(checker.world().obstacles().len(), 1);
+    let late = checker
+        .world_mut()
+        .add_moving_obstacle("late", cuboid([0.1; 3]), late)
+        .expect("a box");
+    for error in [
+        checker.is_free_at(&[0.0; 3]).map(|_| ()),
+        checker.clearance(&[0.0; 3]).map(|_| ()),
+        checker.pose(late, &[0.0; 3]).map(|_| ()),
+        checker.set_time(0.6),
+    ] {
+        assert!(matches!(error, Err(PlanError::PoseTime { .. })), "{error:?}");
+    }
+    checker.world_mut().remove_obstacle(late).expect("an obstacle");
+    assert_eq!(
+        checker.clearance(&[0.0; 3]).expect("a pose").expect("a pair").distance,
+        1.9
+    );
     // At rest, then gone.
-    checker.move_obstacle(id, at(0.0, 3.0, 0.0)).expect("an obstacle");
+    checker
+        .world_mut()
+        .move_obstacle(id, at(0.0, 3.0, 0.0))
+        .expect("an obstacle");
     assert_eq!(checker.world().obstacle_motion(id), None);
     assert!(
         checker
@@ -561,10 +586,11 @@ fn moving_obstacles_come_and_go() {
             .is_free()
     );
     let id = checker
+        .world_mut()
         .add_moving_obstacle("press", cuboid([1.0; 3]), timed)
         .expect("a pose");
     assert!(checker.certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3])).is_err());
-    checker.remove_obstacle(id).expect("an obstacle");
+    checker.world_mut().remove_obstacle(id).expect("an obstacle");
     assert!(
         checker
             .certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3]))
@@ -584,9 +610,10 @@ fn contacts_at_the_start_with_moving_obstacles_are_not_accepted() {
     assert!(matches!(found, Verdict::Blocked { contact_at: 0.0, .. }), "{found:?}");
     assert_eq!(crate::prove(&mut checker, &JointMotion::curve(&along)), Ok(None));
     checker
+        .world_mut()
         .add_obstacle("table", cuboid([1.0; 3]), at(0.0, -1.5, 0.0))
         .expect("a pose");
-    checker.remove_obstacle("cart 0").expect("an obstacle");
+    checker.world_mut().remove_obstacle("cart 0").expect("an obstacle");
     assert!(checker.certify(&JointMotion::curve(&along)).expect("times").is_free());
 }
 
@@ -622,7 +649,9 @@ fn among(space: JointTree, mut world: World, rng: &mut Rng, far: f64) -> Checker
             0 => Geometry::from(Shape::ball(half[0]).expect("a ball")),
             _ => cuboid(half),
         };
-        world.moving_obstacle(format!("moving {k}"), geometry, wander(rng, far));
+        world
+            .add_moving_obstacle(format!("moving {k}"), geometry, wander(rng, far))
+            .expect("an obstacle");
     }
     Checker::new(space, world).expect("a world")
 }
@@ -885,7 +914,9 @@ fn spaces_without_joints_follow_straight_curves() {
     let mut world = World::new();
     world.robot_body("drone", cuboid([0.5; 3]));
     let rows = [at(5.0, 0.0, 0.0), at(-5.0, 0.0, 0.0)];
-    world.moving_obstacle("train", cuboid([0.5; 3]), poses(&[0.0, 10.0], &rows));
+    world
+        .add_moving_obstacle("train", cuboid([0.5; 3]), poses(&[0.0, 10.0], &rows))
+        .expect("an obstacle");
     let space = TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
     assert_eq!(space.coordinates(), 3);
     let mut checker = Checker::new(space, world).expect("a world");

@@ -30,7 +30,10 @@ fn random_checker(k: u64, seed: u64) -> Checker<JointTree> {
     let mut checker = Checker::new(tree, world).expect("a robot");
     let part = solids::cuboid(Vector3::repeat(0.1 * size)).expect("a box");
     let part_pose = pose(&mut rng, 0.5 * size);
-    checker.attach("b", "part", part, part_pose, &[]).expect("a part");
+    checker
+        .world_mut()
+        .attach("b", "part", part, part_pose, &[])
+        .expect("a part");
     checker.set_time(0.3).expect("a time");
     checker
 }
@@ -91,6 +94,7 @@ fn random_robots(robots: Range<u64>, samples: u32, seed: u64) -> [u64; 3] {
         let kept = plain.world().kept_distance(pair);
         for checker in [&mut plain, &mut with] {
             checker
+                .world_mut()
                 .set_pair_margin(pair.a, pair.b, Some(1.5 * kept))
                 .expect("a margin");
         }
@@ -98,7 +102,10 @@ fn random_robots(robots: Range<u64>, samples: u32, seed: u64) -> [u64; 3] {
         assert_eq!(none, 0, "{k}");
         // It must keep less: the boxes prove more than that.
         for checker in [&mut plain, &mut with] {
-            checker.set_pair_margin(pair.a, pair.b, Some(0.0)).expect("a margin");
+            checker
+                .world_mut()
+                .set_pair_margin(pair.a, pair.b, Some(0.0))
+                .expect("a margin");
         }
         judge(&mut plain, &mut with, samples / 4, &mut rng);
         all.iter_mut()

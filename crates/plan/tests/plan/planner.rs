@@ -20,7 +20,7 @@ fn world(robot: &ConvexPolyhedron, obstacles: &[Placed]) -> World {
     let mut world = World::new();
     world.robot_body("robot", robot.clone());
     for (k, (hull, pose)) in obstacles.iter().enumerate() {
-        world.obstacle(k, hull.clone(), *pose);
+        world.add_obstacle(k, hull.clone(), *pose).expect("an obstacle");
     }
     world
 }
@@ -218,7 +218,9 @@ fn a_rectangle_turns_in_the_plane() {
         let mut world = World::new();
         world.robot_body("rectangle", cuboid(0.5, 0.1, 0.1));
         for (y, name) in [(1.15, "left"), (-1.15, "right")] {
-            world.obstacle(name, cuboid(0.3, 1.0, 1.0), Isometry3::translation(0.0, y, 0.0));
+            world
+                .add_obstacle(name, cuboid(0.3, 1.0, 1.0), Isometry3::translation(0.0, y, 0.0))
+                .expect("an obstacle");
         }
         let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
         let mut checker = Checker::new(space, world).expect("a world");
@@ -247,7 +249,9 @@ fn half_turns<C: ConfigurationSpace + Clone>(space: &C) -> u32 {
         for k in 0..4 + rng.below(20) {
             let at = Vector3::new(rng.range(-3.5, 3.5), rng.range(-2.5, 2.5), 0.0);
             let pose = Isometry3::from_parts(at.into(), UnitQuaternion::identity());
-            world.obstacle(k, cuboid(0.08, 0.08, 1.0), pose);
+            world
+                .add_obstacle(k, cuboid(0.08, 0.08, 1.0), pose)
+                .expect("an obstacle");
         }
         let mut checker = Checker::new(space.clone(), world).expect("a world");
         let turned = *rng.pick(&[0.0, std::f64::consts::PI]);
@@ -421,7 +425,9 @@ fn robots_of_several_pieces() {
         piece
     });
     let gate = lin_canny::Compound::new(posts.to_vec()).expect("two pieces");
-    world.obstacle("gate", gate, Isometry3::identity());
+    world
+        .add_obstacle("gate", gate, Isometry3::identity())
+        .expect("an obstacle");
     let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.6, 2).expect("a space");
     let mut checker = Checker::new(space, world).expect("a world");
     let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, 0.0));

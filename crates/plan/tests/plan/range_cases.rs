@@ -74,14 +74,20 @@ fn ranges_of_no_width_are_as_single_configurations_say() {
     let mut tally = [0; 2];
     for k in 0..20 {
         let (tree, mut world) = robot(&mut rng, 1.0, 300 + k);
-        world.obstacle("post", cube(0.4), Isometry3::translation(2.0, 0.2, 0.0));
+        world
+            .add_obstacle("post", cube(0.4), Isometry3::translation(2.0, 0.2, 0.0))
+            .expect("an obstacle");
         let floor = HalfSpace::new(Vector3::z(), -2.0).expect("a plane");
-        world.obstacle("floor", floor, Isometry3::identity());
+        world
+            .add_obstacle("floor", floor, Isometry3::identity())
+            .expect("an obstacle");
         let shell = Mesh::from_convex(&cube(0.5)).expect("a mesh");
-        world.obstacle("shell", shell, Isometry3::translation(-1.8, 0.0, 0.3));
+        world
+            .add_obstacle("shell", shell, Isometry3::translation(-1.8, 0.0, 0.3))
+            .expect("an obstacle");
         let mut checker = Checker::new(tree.clone(), world).expect("a world");
         for margin in [0.0, 0.2] {
-            checker.set_margin(margin).expect("a margin");
+            checker.world_mut().set_margin(margin).expect("a margin");
             let q: Vec<f64> = tree.bounds().iter().map(|[low, high]| rng.range(*low, *high)).collect();
             let answers = RangeProver::new(&RangeOptions::default())
                 .all_pairs(&mut checker, &q, &q)
@@ -298,9 +304,11 @@ fn an_answer_goes_on_only_at_a_time() {
     let scene = || {
         let mut world = World::new();
         world.robot_body("body", cube(0.5));
-        world.obstacle("post", cube(0.5), x(4.5));
+        world.add_obstacle("post", cube(0.5), x(4.5)).expect("an obstacle");
         let poses = TimedPoses::new(&[0.0, 1.0], &[x(9.0), x(2.0)]).expect("poses");
-        world.moving_obstacle("cart", cube(0.5), poses);
+        world
+            .add_moving_obstacle("cart", cube(0.5), poses)
+            .expect("an obstacle");
         let rail = vec![slide(Vector3::x_axis(), [0.0, 3.0])];
         let arm = JointTree::serial(Isometry3::identity(), rail, vec![1], 1.0).expect("an arm");
         Checker::new(arm, world).expect("a world")

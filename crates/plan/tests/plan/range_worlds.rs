@@ -63,34 +63,44 @@ fn open_box(half: f64) -> Mesh {
 pub(crate) fn add_obstacles(world: &mut World, rng: &mut Rng, size: f64) {
     let scaled = |p: Point3<f64>| Point3::from(p.coords * size);
     let floor = HalfSpace::new(Vector3::z(), -1.5 * size).expect("a plane");
-    world.obstacle("floor", floor, Isometry3::identity());
+    world
+        .add_obstacle("floor", floor, Isometry3::identity())
+        .expect("an obstacle");
     let points: Vec<Point3<f64>> = (0..40)
         .map(|_| Point3::from(Vector3::from_fn(|_, _| size * rng.range(-0.5, 0.5))))
         .collect();
     let ball = Shape::ball(0.05 * size).expect("a ball");
-    world.obstacle(
-        "cloud",
-        Cloud::new(&points, ball).expect("a cloud"),
-        pose(rng, 2.0 * size),
-    );
-    world.obstacle("open box", open_box(0.6 * size), pose(rng, 2.0 * size));
+    world
+        .add_obstacle(
+            "cloud",
+            Cloud::new(&points, ball).expect("a cloud"),
+            pose(rng, 2.0 * size),
+        )
+        .expect("an obstacle");
+    world
+        .add_obstacle("open box", open_box(0.6 * size), pose(rng, 2.0 * size))
+        .expect("an obstacle");
     let walls = channel().to_mesh().expect("a mesh");
     let corners: Vec<Point3<f64>> = walls.triangles().flat_map(|(_, t)| t.map(scaled)).collect();
     let triangles: Vec<[u32; 3]> = (0..corners.len() as u32 / 3)
         .map(|k| [3 * k, 3 * k + 1, 3 * k + 2])
         .collect();
-    world.obstacle(
-        "walls",
-        Mesh::new(&corners, &triangles).expect("walls"),
-        pose(rng, 2.0 * size),
-    );
+    world
+        .add_obstacle(
+            "walls",
+            Mesh::new(&corners, &triangles).expect("walls"),
+            pose(rng, 2.0 * size),
+        )
+        .expect("an obstacle");
     let way = [pose(rng, size), pose(rng, 3.0 * size)];
     let poses = TimedPoses::new(&[0.0, 1.0], &way).expect("poses");
-    world.moving_obstacle(
-        "cart",
-        Shape::capsule(0.2 * size, 0.1 * size).expect("a capsule"),
-        poses,
-    );
+    world
+        .add_moving_obstacle(
+            "cart",
+            Shape::capsule(0.2 * size, 0.1 * size).expect("a capsule"),
+            poses,
+        )
+        .expect("an obstacle");
 }
 
 fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
@@ -109,6 +119,7 @@ fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
         let mut checker = Checker::new(tree, world).expect("a robot");
         let part = solids::cuboid(Vector3::repeat(0.1 * size)).expect("a box");
         let part = checker
+            .world_mut()
             .attach("b", "part", part, pose(&mut rng, 0.5 * size), &[])
             .expect("a part");
         let [low, high] = ranges(&mut rng, &limits);
@@ -169,7 +180,9 @@ fn a_range_beside_a_moving_obstacle_needs_a_time() {
     let mut world = World::new();
     world.robot_body("body", cube(0.5));
     let poses = TimedPoses::new(&[0.0, 1.0], &[x(9.0), x(2.0)]).expect("poses");
-    let cart = world.moving_obstacle("cart", cube(0.5), poses);
+    let cart = world
+        .add_moving_obstacle("cart", cube(0.5), poses)
+        .expect("an obstacle");
     let arm = JointTree::serial(
         Isometry3::identity(),
         vec![slide(Vector3::x_axis(), [0.0, 3.0])],
@@ -206,7 +219,7 @@ fn a_range_of_no_width_at_the_margin_is_within_it() {
     for (gap, is_within) in [(0.5, true), (0.5f64.next_up(), false), (0.5f64.next_down(), true)] {
         let at = 2.0 + gap;
         let mut checker = moved(vec![slide(Vector3::x_axis(), [2.0, 5.0])], cube(1.0), cube(1.0));
-        checker.set_margin(0.5).expect("a margin");
+        checker.world_mut().set_margin(0.5).expect("a margin");
         let options = RangeOptions::default();
         let answer = RangeProver::new(&options)
             .pair(&mut checker, A, OTHER, &[at], &[at])
@@ -293,7 +306,9 @@ fn limits_of_a_million_radians_hold_at_samples() {
         let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![2], vec![3.0; 3]).expect("a tree");
         let mut world = World::new();
         world.robot_body("body", cube(0.1));
-        let post = world.obstacle("post", cube(0.3), Isometry3::translation([0.0, 4.0][k / 4], 0.0, 0.0));
+        let post = world
+            .add_obstacle("post", cube(0.3), Isometry3::translation([0.0, 4.0][k / 4], 0.0, 0.0))
+            .expect("an obstacle");
         let mut checker = Checker::new(tree, world).expect("a world");
         let options = RangeOptions::default().cells(400);
         let answer = RangeProver::new(&options)
@@ -316,7 +331,9 @@ fn a_turn_before_a_long_slide_reaches_far() {
     let arm = JointTree::serial(Isometry3::identity(), joints, vec![2], 11.0).expect("an arm");
     let mut world = World::new();
     world.robot_body("ball", ball());
-    let other = world.obstacle("other", ball(), Isometry3::translation(0.0, 8.0, 0.0));
+    let other = world
+        .add_obstacle("other", ball(), Isometry3::translation(0.0, 8.0, 0.0))
+        .expect("an obstacle");
     let mut checker = Checker::new(arm, world).expect("a world");
     let options = RangeOptions::default();
     let both = RangeProver::new(&options)
@@ -377,7 +394,7 @@ fn an_answer_about_other_bodies_is_not_resumed() {
             .resume(&mut moved(vec![turned], cube(0.5), far(2.0)), &answer)
             .is_err()
     );
-    checker.set_margin(0.1).expect("a margin");
+    checker.world_mut().set_margin(0.1).expect("a margin");
     assert!(
         RangeProver::new(&options)
             .progress(go)
@@ -425,7 +442,7 @@ fn errors_of_joints_and_places_of_obstacles_are_coordinates_with_a_range() {
         );
     }
     // The exact arm in the exact place keeps 0.298, which neither tolerance leaves.
-    checker.set_margin(0.27).expect("a margin");
+    checker.world_mut().set_margin(0.27).expect("a margin");
     for (error, place, is_never) in [(0.0, 0.0, true), (0.1, 0.0, false), (0.0, 0.1, false)] {
         let (low, high) = ([0.5, -error, -place], [1.0, error, place]);
         let answer = RangeProver::new(&options)
@@ -453,7 +470,9 @@ fn tolerances_of_a_part_are_coordinates_with_a_range() {
     let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![3], vec![2.0; 4]).expect("a tree");
     let mut world = World::new();
     world.robot_body("peg", solids::cuboid(Vector3::new(0.1, 0.1, 0.5)).expect("a peg"));
-    let wall = world.obstacle("wall", cube(1.0), Isometry3::translation(1.2, 0.0, 0.0));
+    let wall = world
+        .add_obstacle("wall", cube(1.0), Isometry3::translation(1.2, 0.0, 0.0))
+        .expect("an obstacle");
     let mut checker = Checker::new(tree, world).expect("a world");
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-4));
     let mut prove = |off: f64, tilt: f64| {

@@ -224,7 +224,7 @@ fn random_boxes(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
         let (tree, world) = robot(&mut rng, size, seed + k);
         let kept = if k % 4 == 3 { 0.05 * size } else { 0.0 };
         let mut checker = Checker::new(tree.clone(), world.clone()).expect("a robot");
-        checker.set_margin(kept).expect("a margin");
+        checker.world_mut().set_margin(kept).expect("a margin");
         let mut oracle = Oracle::new(&tree, &world);
         for turn in 0..4 {
             let [low, high] = ranges(&mut rng, tree.bounds());
@@ -275,7 +275,9 @@ pub(crate) fn moved(joints: Vec<Joint>, body: impl Into<Geometry>, other: impl I
     let arm = JointTree::serial(Isometry3::identity(), joints, links, 1.0).expect("an arm");
     let mut world = World::new();
     world.robot_body("body", body);
-    world.obstacle("other", other, Isometry3::identity());
+    world
+        .add_obstacle("other", other, Isometry3::identity())
+        .expect("an obstacle");
     Checker::new(arm, world).expect("a world")
 }
 
@@ -338,7 +340,7 @@ fn boxes_that_touch_at_one_inner_configuration_are_never_free() {
     let edge = edge.transformed(&far).expect("a box");
     let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-1.0, 1.0]);
     let mut checker = moved(vec![turn], edge, cube(1.0));
-    checker.set_margin(0.3).expect("a margin");
+    checker.world_mut().set_margin(0.3).expect("a margin");
     let options = RangeOptions::default().cells(300);
     let answer = RangeProver::new(&options)
         .pair(&mut checker, A, OTHER, &[-0.1], &[0.1])
@@ -434,7 +436,7 @@ fn a_pair_that_stays_closer_than_its_margin_always_meets() {
             .expect("a box"),
     );
     for (margin, verdict) in [(0.05, RangeVerdict::Never), (0.15, RangeVerdict::Always)] {
-        checker.set_margin(margin).expect("a margin");
+        checker.world_mut().set_margin(margin).expect("a margin");
         let answer = RangeProver::new(&RangeOptions::default())
             .pair(&mut checker, A, OTHER, &[-PI], &[PI])
             .expect("a range");
@@ -447,7 +449,9 @@ fn a_block_in_the_plane_keeps_off_a_post() {
     let space = PlanarSpace::new([[-5.0, 5.0]; 2], 1.5, 1).expect("a space");
     let mut world = World::new();
     world.robot_body("block", cube(1.0));
-    world.obstacle("post", cube(1.0), Isometry3::identity());
+    world
+        .add_obstacle("post", cube(1.0), Isometry3::identity())
+        .expect("an obstacle");
     let mut checker = Checker::new(space, world).expect("a world");
     let width = ClearanceWidth::Length(1e-3);
     let options = RangeOptions::default().width(width);
@@ -612,7 +616,10 @@ fn an_attached_part_is_part_of_the_robot() {
             .expect("a post"),
     );
     let at = Isometry3::translation(1.0, 0.0, 0.0);
-    let part = checker.attach("body", "part", cube(0.2), at, &[]).expect("a part");
+    let part = checker
+        .world_mut()
+        .attach("body", "part", cube(0.2), at, &[])
+        .expect("a part");
     let options = RangeOptions::default();
     let near = RangeProver::new(&options)
         .pair(&mut checker, part, OTHER, &[-PI], &[PI])
@@ -770,7 +777,9 @@ fn wrong_ranges_are_refused() {
     let space = RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1).expect("a space");
     let mut world = World::new();
     world.robot_body("body", cube(1.0));
-    world.obstacle("other", cube(1.0), Isometry3::identity());
+    world
+        .add_obstacle("other", cube(1.0), Isometry3::identity())
+        .expect("an obstacle");
     let mut rigid = Checker::new(space, world).expect("a world");
     let q = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     assert_eq!(

@@ -364,7 +364,9 @@ fn corridor(scale: f64, gap: f64) -> impl FnOnce(&mut World) {
         let mut wall = |name: &str, half: [f64; 2], at: [f64; 2]| {
             let half = Vector3::new(half[0], half[1], 1.0) * scale;
             let at = Isometry3::translation(at[0] * scale, at[1] * scale, 0.0);
-            world.obstacle(name, solids::cuboid(half).expect("a box"), at);
+            world
+                .add_obstacle(name, solids::cuboid(half).expect("a box"), at)
+                .expect("an obstacle");
         };
         // From (-1, 0) to (0, 0) to (0, 1).
         let near = 0.1 + gap;
@@ -692,7 +694,9 @@ fn posted(posts: &[[f64; 2]]) -> impl FnOnce(&mut World) {
     move |world| {
         for (k, [x, y]) in posts.iter().enumerate() {
             let post = solids::cuboid(Vector3::new(0.02, 0.02, 1.0)).expect("a box");
-            world.obstacle(k, post, Isometry3::translation(*x, *y, 0.0));
+            world
+                .add_obstacle(k, post, Isometry3::translation(*x, *y, 0.0))
+                .expect("an obstacle");
         }
     }
 }

@@ -164,7 +164,7 @@ impl Checker {
     #[pyo3(signature = (name, geometry, pose=None))]
     fn add_obstacle(&mut self, name: &str, geometry: &Bound<'_, Geometry>, pose: Option<Pose>) -> PyResult<BodyId> {
         let geometry = geometry.get().0.clone();
-        let id = self.checker.add_obstacle(name, geometry, pose_of(pose));
+        let id = self.checker.world_mut().add_obstacle(name, geometry, pose_of(pose));
         id.map(BodyId).map_err(plan_error)
     }
 
@@ -203,13 +203,13 @@ impl Checker {
         let fault = |e: PlanError| plan_error(format!("obstacle {name:?}: {e}"));
         let poses = TimedPoses::new(&times, &poses).map_err(fault)?;
         let geometry = geometry.get().0.clone();
-        let id = self.checker.add_moving_obstacle(name, geometry, poses);
+        let id = self.checker.world_mut().add_moving_obstacle(name, geometry, poses);
         id.map(BodyId).map_err(plan_error)
     }
 
     /// Moves obstacles to a pose in the world, and returns their ids.
     fn move_obstacle(&mut self, bodies: Bodies, pose: Pose) -> PyResult<Vec<BodyId>> {
-        ids(self.checker.move_obstacle(bodies.select(), pose.0))
+        ids(self.checker.world_mut().move_obstacle(bodies.select(), pose.0))
     }
 
     /// Replaces the geometry of obstacles, and returns their ids; poses, names and ids stay.
@@ -217,12 +217,12 @@ impl Checker {
     /// This is the call for the next cloud of a camera.
     fn replace_obstacle(&mut self, bodies: Bodies, geometry: &Bound<'_, Geometry>) -> PyResult<Vec<BodyId>> {
         let geometry = geometry.get().0.clone();
-        ids(self.checker.replace_obstacle(bodies.select(), geometry))
+        ids(self.checker.world_mut().replace_obstacle(bodies.select(), geometry))
     }
 
     /// Removes obstacles, with their paddings, margins and excluded pairs, and returns their ids.
     fn remove_obstacle(&mut self, bodies: Bodies) -> PyResult<Vec<BodyId>> {
-        ids(self.checker.remove_obstacle(bodies.select()))
+        ids(self.checker.world_mut().remove_obstacle(bodies.select()))
     }
 
     /// Attaches an object to a link, and returns its id: it moves with the link in every query.
@@ -249,13 +249,16 @@ impl Checker {
     ) -> PyResult<BodyId> {
         let touch: Vec<&str> = touch_links.iter().map(String::as_str).collect();
         let geometry = geometry.get().0.clone();
-        let id = self.checker.attach(link, name, geometry, pose_of(pose), &touch);
+        let id = self
+            .checker
+            .world_mut()
+            .attach(link, name, geometry, pose_of(pose), &touch);
         id.map(BodyId).map_err(plan_error)
     }
 
     /// Removes attached objects, and returns their ids.
     fn detach(&mut self, bodies: Bodies) -> PyResult<Vec<BodyId>> {
-        ids(self.checker.detach(bodies.select()))
+        ids(self.checker.world_mut().detach(bodies.select()))
     }
 
     /// Removes an attached object, and leaves it as an obstacle where it is at a configuration.
@@ -270,14 +273,14 @@ impl Checker {
     ///
     /// Returns the ids. Distances do not change; `NearPair.excess` takes the padding off.
     fn pad(&mut self, bodies: Bodies, padding: f64) -> PyResult<Vec<BodyId>> {
-        ids(self.checker.pad(bodies.select(), padding))
+        ids(self.checker.world_mut().pad(bodies.select(), padding))
     }
 
     /// Sets the distance that the pairs of two bodies must keep, instead of the margin of all pairs.
     ///
     /// None removes it. Returns the names of the pairs.
     fn set_pair_margin(&mut self, a: Bodies, b: Bodies, margin: Option<f64>) -> PyResult<Vec<Pair>> {
-        let found = self.checker.set_pair_margin(a.select(), b.select(), margin);
+        let found = self.checker.world_mut().set_pair_margin(a.select(), b.select(), margin);
         self.pair_names(found)
     }
 
@@ -285,7 +288,7 @@ impl Checker {
     ///
     /// Returns the names of the pairs that were checked before.
     fn exclude(&mut self, a: Bodies, b: Bodies) -> PyResult<Vec<Pair>> {
-        let found = self.checker.exclude(a.select(), b.select());
+        let found = self.checker.world_mut().exclude(a.select(), b.select());
         self.pair_names(found)
     }
 
@@ -293,7 +296,7 @@ impl Checker {
     ///
     /// Returns the names of the pairs that were excluded.
     fn include(&mut self, a: Bodies, b: Bodies) -> PyResult<Vec<Pair>> {
-        let found = self.checker.include(a.select(), b.select());
+        let found = self.checker.world_mut().include(a.select(), b.select());
         self.pair_names(found)
     }
 

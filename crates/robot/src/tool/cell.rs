@@ -24,7 +24,9 @@ pub(super) struct CellOptions {
 pub(super) fn run(options: &CellOptions) -> Result<End, ToolError> {
     let (_, setup) = options.robot.load()?;
     let mut checker = setup.checker()?;
-    checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
+    if let Some(margin) = options.margin {
+        checker.world_mut().set_margin(margin)?;
+    }
     let world = checker.world();
     let cell = Cell::from_world(world);
     match &options.out {

@@ -116,7 +116,9 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
         false => "points",
     };
     let mut checker = setup.checker()?;
-    checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
+    if let Some(margin) = options.margin {
+        checker.world_mut().set_margin(margin)?;
+    }
     checker.set_start_contact_margin(options.start_contact)?;
     options.pair_boxes.set(&mut checker)?;
     if path.times.is_none() {
@@ -194,7 +196,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             } => {
                 let [a, b] = names(&checker, pair);
                 let (time, at) = (time_at(&path, k, t), place(t, time_at(&path, k, t)));
-                let meet = match (checker.margin(), tube) {
+                let meet = match (checker.world().margin(), tube) {
                     (0.0, None) => "meet".to_owned(),
                     (0.0, Some(_)) => "may meet in the tube".to_owned(),
                     (margin, None) => format!("come within {margin} m"),

@@ -72,7 +72,9 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         options.rows.file(),
         "obstacles at rest in the search for a path",
     )?;
-    checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
+    if let Some(margin) = options.margin {
+        checker.world_mut().set_margin(margin)?;
+    }
     options.pair_boxes.set(&mut checker)?;
     let began = Instant::now();
     let search = PlanOptions::default().seed(options.seed).unlimited();
@@ -114,7 +116,7 @@ fn blocked(
     let mut how = "in contact or closer than the margin".to_owned();
     if let Ok(Some(near)) = checker.clearance(&rows.rows[row]) {
         [a, b] = names(checker, near.pair);
-        let (far, margin) = (distance(near.lower, near.upper), checker.margin());
+        let (far, margin) = (distance(near.lower, near.upper), checker.world().margin());
         how = if near.upper <= 0.0 {
             format!("in contact at the {end}")
         } else {

@@ -96,7 +96,9 @@ pub(super) fn run(options: &SmoothArguments) -> Result<End, ToolError> {
         .continuous_acceleration(options.continuous_acceleration)
         .deviation(options.deviation.unwrap_or(f64::INFINITY));
     let mut checker = setup.checker()?;
-    checker.set_margin(options.margin.unwrap_or(checker.margin()))?;
+    if let Some(margin) = options.margin {
+        checker.world_mut().set_margin(margin)?;
+    }
     let bar = progress("pieces", 0);
     let found = Smoother::new(&smooth)
         .progress(&mut |at| {

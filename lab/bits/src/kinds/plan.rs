@@ -24,9 +24,13 @@ fn room(r: &mut Random) -> World {
     let mut world = World::new();
     world.robot_body("robot", hull(r, 14, 1));
     for k in 0..5 {
-        world.obstacle(format!("obstacle {k}"), round(r, 16), isometry(r, 3.0));
+        world
+            .add_obstacle(format!("obstacle {k}"), round(r, 16), isometry(r, 3.0))
+            .expect("an obstacle");
     }
-    world.obstacle("mesh", dented(&round(r, 12), 0.8), isometry(r, 3.5));
+    world
+        .add_obstacle("mesh", dented(&round(r, 12), 0.8), isometry(r, 3.5))
+        .expect("an obstacle");
     world
 }
 
@@ -113,13 +117,17 @@ fn six_axes() -> (JointTree, World) {
         ("post", [0.06, 0.06, 1.8], [-0.7, 0.7, 0.9]),
     ] {
         let [x, y, z] = at;
-        world.obstacle(name, block(size, 0.0), Isometry3::translation(x, y, z));
+        world
+            .add_obstacle(name, block(size, 0.0), Isometry3::translation(x, y, z))
+            .expect("an obstacle");
     }
-    world.obstacle(
-        "tank",
-        Shape::cylinder(0.3, 0.2).expect("a shape"),
-        Isometry3::translation(-0.6, -0.3, 0.3),
-    );
+    world
+        .add_obstacle(
+            "tank",
+            Shape::cylinder(0.3, 0.2).expect("a shape"),
+            Isometry3::translation(-0.6, -0.3, 0.3),
+        )
+        .expect("an obstacle");
     for (k, name) in names.iter().enumerate() {
         for other in names.iter().skip(k + 1).take(2) {
             world.exclude(name, other).expect("names");
@@ -298,7 +306,7 @@ pub(super) fn timed_obstacles(t: &mut Teller, r: &mut Random) {
         let rows: Vec<_> = times.iter().map(|_| isometry(r, 1.8)).collect();
         let poses = TimedPoses::new(&times, &rows).expect("timed poses");
         t.tell("poses", [-1.0, -0.3, 0.3, 0.5, 1.9].map(|time| poses.at(time)));
-        world.moving_obstacle("cart", cart, poses);
+        world.add_moving_obstacle("cart", cart, poses).expect("an obstacle");
         let mut checker = Checker::new(arm, world).expect("a checker");
         for frame in 0..4 {
             let time = 0.3 * f64::from(frame);
@@ -334,18 +342,22 @@ pub(super) fn worlds(t: &mut Teller, r: &mut Random) {
             };
             let known = format!("thing {}", r.below(k + 1));
             let done = match r.below(7) {
-                0 | 1 => checker.add_obstacle(&name, geometry, pose).map(|id| vec![id]),
-                2 => checker.move_obstacle(&known[..], pose),
-                3 => checker.replace_obstacle(&known[..], geometry),
-                4 => checker.remove_obstacle(&known[..]),
+                0 | 1 => checker
+                    .world_mut()
+                    .add_obstacle(&name, geometry, pose)
+                    .map(|id| vec![id]),
+                2 => checker.world_mut().move_obstacle(&known[..], pose),
+                3 => checker.world_mut().replace_obstacle(&known[..], geometry),
+                4 => checker.world_mut().remove_obstacle(&known[..]),
                 5 => {
                     let held = Shape::ball(0.05).expect("a ball");
                     let place = Isometry3::translation(0.0, 0.0, 0.2);
                     checker
+                        .world_mut()
                         .attach("gripper", &name, held, place, &["wrist 2"])
                         .map(|id| vec![id])
                 }
-                _ => checker.pad("floor", 0.01 * size),
+                _ => checker.world_mut().pad("floor", 0.01 * size),
             };
             t.tell("change", done);
             let q = near(r, checker.space(), 2, 0.3);

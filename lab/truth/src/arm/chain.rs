@@ -41,7 +41,9 @@ pub fn posts(world: &mut World, radius: f64) -> Result<(), Trouble> {
         let angle = TAU * f64::from(k) / 12.0;
         let post = solids::cuboid(Vector3::new(0.03, 0.03, 0.6))?;
         let place = Vector3::new(radius * angle.cos(), radius * angle.sin(), 0.0);
-        world.obstacle(format!("post {k}"), post, Isometry3::new(place, Vector3::z() * angle));
+        world
+            .add_obstacle(format!("post {k}"), post, Isometry3::new(place, Vector3::z() * angle))
+            .expect("an obstacle");
     }
     Ok(())
 }

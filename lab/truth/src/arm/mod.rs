@@ -15,7 +15,7 @@ pub fn in_cell() -> Result<(JointTree, World), Trouble> {
     let mut world = World::new();
     let arm = robot::arm(&mut world)?;
     for (name, shape, pose) in cell::things(&[])? {
-        world.obstacle(name, shape, pose);
+        world.add_obstacle(name, shape, pose).expect("an obstacle");
     }
     robot::exclude(&mut world, true)?;
     Ok((arm, world))

@@ -169,11 +169,15 @@ impl Play {
         let mut rng = Rng::new(seed);
         let (space, mut world) = chain(&mut rng);
         for k in 0..1 + rng.below(3) {
-            world.obstacle(format!("thing {k}"), geometry(&mut rng, 0.4), pose(&mut rng, 1.2));
+            world
+                .add_obstacle(format!("thing {k}"), geometry(&mut rng, 0.4), pose(&mut rng, 1.2))
+                .expect("an obstacle");
         }
         if rng.chance(0.3) {
             let floor = HalfSpace::new(Vector3::from(rng.unit()), -1.0).map_err(|e| e.to_string())?;
-            world.obstacle("floor", floor, Isometry3::identity());
+            world
+                .add_obstacle("floor", floor, Isometry3::identity())
+                .expect("an obstacle");
         }
         let mut mix = Mix::default();
         mix.worlds[0] = 1;
@@ -181,7 +185,9 @@ impl Play {
             let times = [CLOCK[0], rng.range(0.0, 0.4), rng.range(0.5, 1.0), CLOCK[1]];
             let rows = times.map(|_| pose(&mut rng, 1.2));
             let poses = TimedPoses::new(&times, &rows).map_err(told)?;
-            world.moving_obstacle("cart", geometry(&mut rng, 0.3), poses);
+            world
+                .add_moving_obstacle("cart", geometry(&mut rng, 0.3), poses)
+                .expect("an obstacle");
             mix.worlds[1] = 1;
         }
         let mut checker = Checker::new(space.clone(), world).map_err(told)?;
@@ -238,15 +244,22 @@ impl Play {
         let name = format!("thing {}", rng.below(6));
         let checker = &mut self.checker;
         let is_done = match rng.below(9) {
-            0 | 1 => checker.add_obstacle(&name, geometry(rng, 0.4), pose(rng, 1.2)).is_ok(),
-            2 | 3 => checker.move_obstacle(&name[..], pose(rng, 1.2)).is_ok(),
-            4 => checker.replace_obstacle(&name[..], geometry(rng, 0.4)).is_ok(),
-            5 => checker.remove_obstacle(&name[..]).is_ok(),
+            0 | 1 => checker
+                .world_mut()
+                .add_obstacle(&name, geometry(rng, 0.4), pose(rng, 1.2))
+                .is_ok(),
+            2 | 3 => checker.world_mut().move_obstacle(&name[..], pose(rng, 1.2)).is_ok(),
+            4 => checker
+                .world_mut()
+                .replace_obstacle(&name[..], geometry(rng, 0.4))
+                .is_ok(),
+            5 => checker.world_mut().remove_obstacle(&name[..]).is_ok(),
             6 => checker
+                .world_mut()
                 .attach(&link, &name, geometry(rng, 0.15), pose(rng, 0.3), &[])
                 .is_ok(),
-            7 => checker.detach(&name[..]).is_ok(),
-            _ => checker.pad(id, *rng.pick(&[0.0, 0.01, 0.1])).is_ok(),
+            7 => checker.world_mut().detach(&name[..]).is_ok(),
+            _ => checker.world_mut().pad(id, *rng.pick(&[0.0, 0.01, 0.1])).is_ok(),
         };
         self.mix.changes[usize::from(!is_done)] += 1;
         Ok(())
