@@ -196,7 +196,8 @@ pub mod receipt;
 mod search;
 mod tolerance;
 
-pub use cell::world::{AttachedObject, Named, World};
+pub use cell::attached_object::AttachedObject;
+pub use cell::world::{Named, World};
 pub use check::batch::NearPairs;
 pub use check::certify::{Certified, CertifyOptions, PairProof};
 pub use check::checker::Checker;

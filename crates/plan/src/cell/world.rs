@@ -8,9 +8,9 @@ use std::vec::Vec;
 
 use nalgebra::Isometry3;
 
+use crate::cell::attached_object::{AttachedObject, Frame};
 use crate::cell::mesh_hull::MeshHull;
 use crate::error::PlanError;
-use crate::extremes::Extremes;
 use crate::motion::timed_poses::TimedPoses;
 use crate::names::nearest_name;
 use crate::names::{Select, WorldId, WorldPair};
@@ -84,37 +84,11 @@ impl Clone for Changes {
 
 impl Changes {
     /// Notes a change, in the world of a checker.
-    fn note(&mut self, change: impl FnOnce(&mut Self)) {
+    pub(crate) fn note(&mut self, change: impl FnOnce(&mut Self)) {
         if self.owner != 0 {
             change(self);
         }
     }
-}
-
-/// The frame of a body of the space.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) enum Frame {
-    /// That of a robot body.
-    Robot(usize),
-    /// That of a body of the space without geometry; these come after all robot bodies.
-    Bare(usize),
-}
-
-/// An object that a link carries.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct AttachedObject {
-    /// The name of the object.
-    pub name: String,
-    /// The geometry of the object.
-    pub geometry: Geometry,
-    /// The link that carries the object.
-    pub link: String,
-    /// Pose of the object in the frame of the link.
-    pub pose: Isometry3<f64>,
-    pub(crate) frame: Frame,
 }
 
 /// Bodies.
@@ -518,6 +492,14 @@ impl World {
         }
     }
 
+    /// Returns all pairs of a body of `a` and a body of `b`, in ascending order.
+    pub(crate) fn pairs_of(&self, a: Select<'_>, b: Select<'_>) -> Result<Vec<WorldPair>, PlanError> {
+        let (first, second) = (self.select(a)?, self.select(b)?);
+        let pairs = first.iter().flat_map(|x| second.iter().map(move |y| (*x, *y)));
+        let pairs: BTreeSet<_> = pairs.filter_map(|(x, y)| WorldPair::new(x, y)).collect();
+        Ok(pairs.into_iter().collect())
+    }
+
     fn select_obstacles(&self, bodies: Select<'_>) -> Result<Vec<WorldId>, PlanError> {
         self.select_kind(bodies, |id| matches!(id, WorldId::Obstacle(_)), "an obstacle")
     }
@@ -732,234 +714,6 @@ impl World {
             .values()
             .try_for_each(|m| check_length("margin of a pair", *m))?;
         self.paddings.values().try_for_each(|p| check_length("padding", *p))
-    }
-}
-
-/// Excluded pairs.
-impl World {
-    /// Excludes all pairs of a body of `a` and a body of `b`, and returns those that were measured
-    /// before.
-    ///
-    /// Excluded pairs are never measured and may touch, for example adjacent links of an arm. A
-    /// body that is added later is not excluded, even if it has the name.
-    ///
-    /// # Errors
-    /// Returns an error if no body has one of the names, or if it is the name of a link without
-    /// bodies. Then nothing changes.
-    #[doc(alias = "allow")]
-    #[doc(alias = "ignore")]
-    #[doc(alias = "allowed collision matrix")]
-    pub fn exclude<'a>(
-        &mut self,
-        a: impl Into<Select<'a>>,
-        b: impl Into<Select<'a>>,
-    ) -> Result<Vec<WorldPair>, PlanError> {
-        let mut pairs = self.pairs_of(a.into(), b.into())?;
-        pairs.retain(|pair| self.excluded.insert(*pair));
-        self.changes.note(|changes| changes.pairs.extend(&pairs));
-        Ok(pairs)
-    }
-
-    /// Includes all pairs of a body of `a` and a body of `b` again, and returns those that were
-    /// excluded.
-    ///
-    /// # Errors
-    /// As [`exclude`](Self::exclude).
-    #[doc(alias = "disallow")]
-    pub fn include<'a>(
-        &mut self,
-        a: impl Into<Select<'a>>,
-        b: impl Into<Select<'a>>,
-    ) -> Result<Vec<WorldPair>, PlanError> {
-        let mut pairs = self.pairs_of(a.into(), b.into())?;
-        pairs.retain(|pair| self.excluded.remove(pair));
-        self.changes.note(|changes| changes.pairs.extend(&pairs));
-        Ok(pairs)
-    }
-
-    /// Excludes all pairs for which `is_excluded` returns true.
-    ///
-    /// ```
-    /// # use lin_canny_plan::{World, WorldId};
-    /// # use lin_canny::{Shape, nalgebra::Isometry3};
-    /// let mut world = World::new();
-    /// let [arm, hand] = ["arm", "hand"].map(|name| world.robot_body(name, Shape::ball(0.1).unwrap()));
-    /// world.add_obstacle("post", Shape::ball(0.2)?, Isometry3::translation(1.0, 0.0, 0.0))?;
-    /// // The robot is checked against the post only.
-    /// world.exclude_if(|pair| matches!(pair.b, WorldId::Robot(_)));
-    /// assert!(world.excluded().eq([[arm, hand]]));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn exclude_if(&mut self, is_excluded: impl Fn(WorldPair) -> bool) {
-        let all: Vec<WorldId> = self.bodies().map(|b| b.0).collect();
-        for (k, &a) in all.iter().enumerate() {
-            let pairs = all[k + 1..].iter().filter_map(|&b| WorldPair::new(a, b));
-            for pair in pairs.filter(|pair| is_excluded(*pair)) {
-                self.excluded.insert(pair);
-                self.changes.note(|changes| changes.pairs.push(pair));
-            }
-        }
-    }
-
-    /// Returns the excluded pairs in ascending order, each with the smaller id first.
-    ///
-    /// Pairs of bodies that keep their relative pose are never measured, and are not in this view
-    /// unless they are excluded as well.
-    #[doc(alias = "allow")]
-    #[doc(alias = "allowed collision matrix")]
-    pub fn excluded(&self) -> impl ExactSizeIterator<Item = [WorldId; 2]> {
-        self.excluded.iter().map(|pair| [pair.a, pair.b])
-    }
-
-    /// Returns the names of excluded pairs: each two names once, if all their pairs are excluded.
-    #[must_use]
-    #[doc(alias = "allowed collision matrix")]
-    pub fn excluded_names(&self) -> Vec<[&str; 2]> {
-        let mut counts: BTreeMap<[&str; 2], usize> = BTreeMap::new();
-        for pair in &self.excluded {
-            let mut names = [self.name(pair.a), self.name(pair.b)];
-            names.sort_unstable();
-            *counts.entry(names).or_default() += 1;
-        }
-        let mut of_name: BTreeMap<&str, Vec<WorldId>> = BTreeMap::new();
-        for (id, name) in self.bodies() {
-            of_name.entry(name).or_default().push(id);
-        }
-        let is_whole = |names: &[&str; 2], count: usize| {
-            let pairs = of_name[names[0]]
-                .iter()
-                .flat_map(|a| of_name[names[1]].iter().map(move |b| (*a, *b)));
-            let pairs: BTreeSet<_> = pairs.filter_map(|(a, b)| WorldPair::new(a, b)).collect();
-            pairs.len() == count
-        };
-        let whole = counts.into_iter().filter(|(names, count)| is_whole(names, *count));
-        whole.map(|(names, _)| names).collect()
-    }
-
-    fn pairs_of(&self, a: Select<'_>, b: Select<'_>) -> Result<Vec<WorldPair>, PlanError> {
-        let (first, second) = (self.select(a)?, self.select(b)?);
-        let pairs = first.iter().flat_map(|x| second.iter().map(move |y| (*x, *y)));
-        let pairs: BTreeSet<_> = pairs.filter_map(|(x, y)| WorldPair::new(x, y)).collect();
-        Ok(pairs.into_iter().collect())
-    }
-}
-
-/// Margins.
-impl World {
-    /// Sets the distance that every pair without an explicit margin must keep. The default is 0.
-    ///
-    /// # Errors
-    /// Returns an error if the margin is negative or not finite.
-    pub fn set_margin(&mut self, margin: f64) -> Result<(), PlanError> {
-        check_length("margin", margin)?;
-        self.margin = margin;
-        self.changes.margin = true;
-        Ok(())
-    }
-
-    /// Returns the distance that every pair without an explicit margin must keep.
-    #[must_use]
-    pub fn margin(&self) -> f64 {
-        self.margin
-    }
-
-    /// Sets the padding of bodies, and returns them: all their pairs must keep so much more.
-    ///
-    /// The padded body is the body with a rounded layer of this thickness. The default is 0.
-    ///
-    /// # Errors
-    /// Returns an error if the padding is negative or not finite, or if a body does not exist. Then
-    /// nothing changes.
-    pub fn pad<'a>(&mut self, bodies: impl Into<Select<'a>>, padding: f64) -> Result<Vec<WorldId>, PlanError> {
-        check_length("padding", padding)?;
-        let found = self.select(bodies)?;
-        for id in &found {
-            if padding > 0.0 {
-                self.paddings.insert(*id, padding);
-            } else {
-                self.paddings.remove(id);
-            }
-        }
-        self.changes.note(|changes| {
-            changes.pairs_of.extend(&found);
-            changes.margins = true;
-        });
-        Ok(found)
-    }
-
-    /// Returns the padding of a body.
-    #[must_use]
-    pub fn padding(&self, id: WorldId) -> f64 {
-        self.paddings.get(&id).copied().unwrap_or(0.0)
-    }
-
-    /// Returns the bodies with a padding above 0, in ascending order.
-    pub fn paddings(&self) -> impl ExactSizeIterator<Item = (WorldId, f64)> {
-        self.paddings.iter().map(|(id, padding)| (*id, *padding))
-    }
-
-    /// Returns the pairs with an explicit margin, in ascending order.
-    pub fn margins(&self) -> impl ExactSizeIterator<Item = (WorldPair, f64)> {
-        self.margins.iter().map(|(pair, margin)| (*pair, *margin))
-    }
-
-    /// Sets or removes the explicit margin of all pairs of a body of `a` and a body of `b`, and
-    /// returns the pairs. It replaces the [`margin`](Self::margin).
-    ///
-    /// # Errors
-    /// Returns an error if the margin is negative or not finite, or if a body does not exist. Then
-    /// nothing changes.
-    pub fn set_pair_margin<'a>(
-        &mut self,
-        a: impl Into<Select<'a>>,
-        b: impl Into<Select<'a>>,
-        margin: Option<f64>,
-    ) -> Result<Vec<WorldPair>, PlanError> {
-        check_length("margin of a pair", margin.unwrap_or(0.0))?;
-        let pairs = self.pairs_of(a.into(), b.into())?;
-        for pair in &pairs {
-            match margin {
-                Some(margin) => self.margins.insert(*pair, margin),
-                None => self.margins.remove(pair),
-            };
-        }
-        self.changes.note(|changes| {
-            changes.pairs.extend(&pairs);
-            changes.margins = true;
-        });
-        Ok(pairs)
-    }
-
-    /// Returns the explicit margin of a pair.
-    #[must_use]
-    pub fn pair_margin(&self, pair: WorldPair) -> Option<f64> {
-        self.margins.get(&pair).copied()
-    }
-
-    /// Returns the distance that a pair must keep: its explicit margin, or else the margin of all
-    /// pairs, plus the paddings of both bodies.
-    #[must_use]
-    pub fn kept_distance(&self, pair: WorldPair) -> f64 {
-        let margin = self.pair_margin(pair).unwrap_or(self.margin);
-        let pads = [pair.a, pair.b].map(|id| self.padding(id));
-        if pads == [0.0; 2] {
-            return margin;
-        }
-        // Rounded up, so that no verdict allows less than the sum.
-        (margin + (pads[0] + pads[1]) * (1.0 + 2.0 * f64::EPSILON)).next_up()
-    }
-
-    /// Returns an upper bound of what a pair with an obstacle must keep without the padding of the
-    /// other body, and a lower bound of what any pair must keep.
-    pub(crate) fn kept_bounds(&self) -> (f64, f64) {
-        let margins = || self.margins.values().copied();
-        let most = margins().fold(self.margin, f64::larger);
-        let pads = self
-            .paddings
-            .iter()
-            .filter(|(id, _)| matches!(id, WorldId::Obstacle(_)));
-        let pad = pads.map(|(_, pad)| *pad).fold(0.0, f64::larger);
-        (most + pad, margins().fold(self.margin, f64::smaller))
     }
 }
 

@@ -8,7 +8,7 @@ use std::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 use crate::cell::world::Named;
-use crate::check::boxes::{GROWN, PlacedBox, placed_ball};
+use crate::check::body_boxes::{GROWN, PlacedBox, placed_ball};
 use crate::check::checker::Checker;
 use crate::check::pairs::PairKey;
 use crate::error::PlanError;

@@ -2,7 +2,7 @@
 
 pub(crate) mod apart;
 pub(crate) mod batch;
-pub(crate) mod boxes;
+pub(crate) mod body_boxes;
 pub(crate) mod certify;
 mod changes;
 pub(crate) mod checker;
@@ -10,6 +10,6 @@ pub(crate) mod clearance;
 mod free;
 mod hulls;
 pub(crate) mod pairs;
-pub(crate) mod sweep;
+pub(crate) mod swept_boxes;
 mod tube;
 pub(crate) mod verdict;

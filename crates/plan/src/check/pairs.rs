@@ -9,7 +9,7 @@ use nalgebra::{Isometry3, Point3};
 
 use crate::cell::world::{World, resting, swept};
 use crate::check::apart::ApartBoxes;
-use crate::check::boxes::{OwnBox, PlacedBox, placed_ball};
+use crate::check::body_boxes::{OwnBox, PlacedBox, placed_ball};
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::motion::carried::Carried;

@@ -14,7 +14,7 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
-use crate::check::boxes::{GROWN, PlacedBox, around, kept_around, placed_ball};
+use crate::check::body_boxes::{GROWN, PlacedBox, around, kept_around, placed_ball};
 use crate::check::pairs::{Pairs, Stretch, TrackedPair};
 use crate::error::PlanError;
 use crate::extremes::Extremes;

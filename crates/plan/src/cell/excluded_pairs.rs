@@ -1,0 +1,110 @@
+//! Pairs that are never measured.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::vec::Vec;
+
+use crate::cell::world::World;
+use crate::error::PlanError;
+use crate::names::{Select, WorldId, WorldPair};
+
+/// Excluded pairs.
+impl World {
+    /// Excludes all pairs of a body of `a` and a body of `b`, and returns those that were measured
+    /// before.
+    ///
+    /// Excluded pairs are never measured and may touch, for example adjacent links of an arm. A
+    /// body that is added later is not excluded, even if it has the name.
+    ///
+    /// # Errors
+    /// Returns an error if no body has one of the names, or if it is the name of a link without
+    /// bodies. Then nothing changes.
+    #[doc(alias = "allow")]
+    #[doc(alias = "ignore")]
+    #[doc(alias = "allowed collision matrix")]
+    pub fn exclude<'a>(
+        &mut self,
+        a: impl Into<Select<'a>>,
+        b: impl Into<Select<'a>>,
+    ) -> Result<Vec<WorldPair>, PlanError> {
+        let mut pairs = self.pairs_of(a.into(), b.into())?;
+        pairs.retain(|pair| self.excluded.insert(*pair));
+        self.changes.note(|changes| changes.pairs.extend(&pairs));
+        Ok(pairs)
+    }
+
+    /// Includes all pairs of a body of `a` and a body of `b` again, and returns those that were
+    /// excluded.
+    ///
+    /// # Errors
+    /// As [`exclude`](Self::exclude).
+    #[doc(alias = "disallow")]
+    pub fn include<'a>(
+        &mut self,
+        a: impl Into<Select<'a>>,
+        b: impl Into<Select<'a>>,
+    ) -> Result<Vec<WorldPair>, PlanError> {
+        let mut pairs = self.pairs_of(a.into(), b.into())?;
+        pairs.retain(|pair| self.excluded.remove(pair));
+        self.changes.note(|changes| changes.pairs.extend(&pairs));
+        Ok(pairs)
+    }
+
+    /// Excludes all pairs for which `is_excluded` returns true.
+    ///
+    /// ```
+    /// # use lin_canny_plan::{World, WorldId};
+    /// # use lin_canny::{Shape, nalgebra::Isometry3};
+    /// let mut world = World::new();
+    /// let [arm, hand] = ["arm", "hand"].map(|name| world.robot_body(name, Shape::ball(0.1).unwrap()));
+    /// world.add_obstacle("post", Shape::ball(0.2)?, Isometry3::translation(1.0, 0.0, 0.0))?;
+    /// // The robot is checked against the post only.
+    /// world.exclude_if(|pair| matches!(pair.b, WorldId::Robot(_)));
+    /// assert!(world.excluded().eq([[arm, hand]]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn exclude_if(&mut self, is_excluded: impl Fn(WorldPair) -> bool) {
+        let all: Vec<WorldId> = self.bodies().map(|b| b.0).collect();
+        for (k, &a) in all.iter().enumerate() {
+            let pairs = all[k + 1..].iter().filter_map(|&b| WorldPair::new(a, b));
+            for pair in pairs.filter(|pair| is_excluded(*pair)) {
+                self.excluded.insert(pair);
+                self.changes.note(|changes| changes.pairs.push(pair));
+            }
+        }
+    }
+
+    /// Returns the excluded pairs in ascending order, each with the smaller id first.
+    ///
+    /// Pairs of bodies that keep their relative pose are never measured, and are not in this view
+    /// unless they are excluded as well.
+    #[doc(alias = "allow")]
+    #[doc(alias = "allowed collision matrix")]
+    pub fn excluded(&self) -> impl ExactSizeIterator<Item = [WorldId; 2]> {
+        self.excluded.iter().map(|pair| [pair.a, pair.b])
+    }
+
+    /// Returns the names of excluded pairs: each two names once, if all their pairs are excluded.
+    #[must_use]
+    #[doc(alias = "allowed collision matrix")]
+    pub fn excluded_names(&self) -> Vec<[&str; 2]> {
+        let mut counts: BTreeMap<[&str; 2], usize> = BTreeMap::new();
+        for pair in &self.excluded {
+            let mut names = [self.name(pair.a), self.name(pair.b)];
+            names.sort_unstable();
+            *counts.entry(names).or_default() += 1;
+        }
+        let mut of_name: BTreeMap<&str, Vec<WorldId>> = BTreeMap::new();
+        for (id, name) in self.bodies() {
+            of_name.entry(name).or_default().push(id);
+        }
+        let is_whole = |names: &[&str; 2], count: usize| {
+            let pairs = of_name[names[0]]
+                .iter()
+                .flat_map(|a| of_name[names[1]].iter().map(move |b| (*a, *b)));
+            let pairs: BTreeSet<_> = pairs.filter_map(|(a, b)| WorldPair::new(a, b)).collect();
+            pairs.len() == count
+        };
+        let whole = counts.into_iter().filter(|(names, count)| is_whole(names, *count));
+        whole.map(|(names, _)| names).collect()
+    }
+}
