@@ -74,7 +74,9 @@ impl Study {
     /// Returns an error if no checker can be made, or if a margin is negative or not finite.
     pub fn new(setup: Setup, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
         let mut first = setup.checker()?;
-        first.set_margin(options.margin.unwrap_or(first.margin()))?;
+        if let Some(margin) = options.margin {
+            first.world_mut().set_margin(margin)?;
+        }
         first.set_start_contact_margin(options.start_contact_margin)?;
         Ok(Arc::new(Self {
             fingerprint: fingerprint(&setup, &first, options)?,
