@@ -184,12 +184,12 @@ mod tests {
             of(&|c| c.set_pair_margin("base", "gripper", Some(0.01)).map(|_| ())),
             of(&|c| c.set_pair_margin("base", "gripper", Some(0.0)).map(|_| ())),
             of(&|c| c.set_pair_margin("base", "forearm", Some(0.01)).map(|_| ())),
-            of(&|c| c.pad("gripper", 0.01).map(|_| ())),
-            of(&|c| c.exclude("base", "gripper").map(|_| ())),
-            of(&|c| c.set_margin(0.01)),
+            of(&|c| c.world_mut().pad("gripper", 0.01).map(|_| ())),
+            of(&|c| c.world_mut().exclude("base", "gripper").map(|_| ())),
+            of(&|c| c.world_mut().set_margin(0.01)),
         ];
         let different: std::collections::BTreeSet<_> = all.iter().collect();
         assert_eq!(different.len(), all.len(), "{all:?}");
-        assert_eq!(all[0], of(&|c| c.pad("gripper", 0.0).map(|_| ())));
+        assert_eq!(all[0], of(&|c| c.world_mut().pad("gripper", 0.0).map(|_| ())));
     }
 }
