@@ -181,9 +181,9 @@ mod tests {
         };
         let all = [
             of(&|_| Ok(())),
-            of(&|c| c.set_pair_margin("base", "gripper", Some(0.01)).map(|_| ())),
-            of(&|c| c.set_pair_margin("base", "gripper", Some(0.0)).map(|_| ())),
-            of(&|c| c.set_pair_margin("base", "forearm", Some(0.01)).map(|_| ())),
+            of(&|c| c.world_mut().set_pair_margin("base", "gripper", Some(0.01)).map(|_| ())),
+            of(&|c| c.world_mut().set_pair_margin("base", "gripper", Some(0.0)).map(|_| ())),
+            of(&|c| c.world_mut().set_pair_margin("base", "forearm", Some(0.01)).map(|_| ())),
             of(&|c| c.world_mut().pad("gripper", 0.01).map(|_| ())),
             of(&|c| c.world_mut().exclude("base", "gripper").map(|_| ())),
             of(&|c| c.world_mut().set_margin(0.01)),
