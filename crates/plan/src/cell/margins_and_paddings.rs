@@ -44,10 +44,7 @@ impl World {
                 self.paddings.remove(id);
             }
         }
-        self.changes.note(|changes| {
-            changes.pairs_of.extend(&found);
-            changes.margins = true;
-        });
+        self.changes.note(|changes| changes.pairs_of.extend(&found));
         Ok(found)
     }
 
@@ -87,10 +84,7 @@ impl World {
                 None => self.margins.remove(pair),
             };
         }
-        self.changes.note(|changes| {
-            changes.pairs.extend(&pairs);
-            changes.margins = true;
-        });
+        self.changes.note(|changes| changes.pairs.extend(&pairs));
         Ok(pairs)
     }
 

@@ -63,9 +63,8 @@ pub(crate) struct Changes {
     /// Bodies all of whose pairs may have changed, and single pairs.
     pub(crate) pairs_of: Vec<WorldId>,
     pub(crate) pairs: Vec<WorldPair>,
-    /// Whether the margin of all pairs, or of some pairs, changed.
+    /// Whether the margin of all pairs changed.
     pub(crate) margin: bool,
-    pub(crate) margins: bool,
 }
 
 /// Two worlds that are equal print the same.
