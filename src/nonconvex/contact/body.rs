@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::patches::{Borne, PatchedMesh};
-use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::extremes::Bounded;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
@@ -492,10 +492,13 @@ impl NearPoint<'_> {
             return false;
         }
         let away = self.place - foot;
-        // Within the slack the direction is that of rounding.
-        let is_out = n.dot(&away) > self.slack;
-        let normal = if is_out { away / sqrt(square) } else { *n };
-        let Some(by) = cover(self.body, of, &Point3::from(foot), &normal, self.slack) else {
+        let height = n.dot(&away);
+        let normal = if height > 0.0 { away / sqrt(square) } else { *n };
+        let cover = |normal| cover(self.body, of, &Point3::from(foot), normal, self.slack);
+        // Within the slack this direction is that of rounding, so the face must be covered along its
+        // normal as well.
+        let is_flush = height > 0.0 && height <= self.slack;
+        let Some(by) = cover(&normal).filter(|_| !is_flush || cover(n).is_some()) else {
             return true;
         };
         let (Core::Polyhedron(core), 0.0, 1..) = (by.shape.core(), by.shape.rounding_radius(), covers) else {
@@ -514,14 +517,12 @@ impl NearPoint<'_> {
 
     /// Returns whether the nearest point of a curved shape is within the depth and not covered.
     fn is_foot_exposed(&self, of: u32, Piece { shape, pose, .. }: &Piece) -> bool {
-        let Some((dot, at)) = dot_at(&pose.inverse_transform_point(&Point3::from(self.place))) else {
-            return false;
-        };
-        let found = ShapeTracker::new().closest(shape, &dot, &at);
-        // The foot of a point near an edge may be on the other side of the edge, so the bounds decide.
-        let is_near = found.lower.larger(-found.upper) < self.reach;
-        let foot = pose * found.point_on_a;
-        is_near && !is_covered(self.body, of, &foot, &(pose * found.normal.into_inner()), self.slack)
+        let foot = foot(shape, &pose.inverse_transform_point(&Point3::from(self.place)));
+        foot.is_some_and(|(foot, n)| {
+            let at = pose * foot;
+            let is_near = (at.coords - self.place).norm_squared() < self.reach * self.reach;
+            is_near && !is_covered(self.body, of, &at, &(pose * n), self.slack)
+        })
     }
 }
 
@@ -562,4 +563,11 @@ fn beyond(polygon: &[Vector3<f64>], m: &Vector3<f64>, level: f64) -> Vec<Vector3
         }
     }
     left
+}
+
+/// Returns the point of a shape's surface that is nearest to a point, and the normal there.
+fn foot(shape: &Shape, point: &Point3<f64>) -> Option<(Point3<f64>, Vector3<f64>)> {
+    let (dot, at) = dot_at(point)?;
+    let found = ShapeTracker::new().closest(shape, &dot, &at);
+    Some((found.point_on_a, found.normal.into_inner()))
 }

@@ -251,32 +251,20 @@ fn unresolved(query: &PatchQuery, all: &[(PatchContact, bool)]) -> Vec<PatchCont
         depths.extend(all.iter().map(|(c, _)| depth(c)).filter(|d| *d > 0.0));
         depths.sort_unstable_by(f64::total_cmp);
     }
-    // The contacts up to this depth are kept. Only contacts that are nearly as deep as the deepest
-    // one speak for it; without them the shallower contacts are looked at alone.
-    let limit = |of: &[(PatchContact, bool)]| {
-        let mut limit = f64::INFINITY;
-        loop {
-            let left = || of.iter().map(|(c, _)| c).filter(|c| depth(c) <= limit);
-            let deepest = left().map(depth).fold(0.0, f64::larger);
-            let before = depths.partition_point(|d| *d <= deepest / FAR_DEEPER);
-            let shallower = before.checked_sub(1).map_or(0.0, |k| depths[k]);
-            let reach = 2.0 * (shallower + 2.0 * query.doubt);
-            if of[0].1 || !(reach < deepest) {
-                return limit;
-            }
-            let overlaps = || left().filter(|c| depth(c) > deepest / FAR_DEEPER);
-            if overlaps().any(|c| query.is_deep(c, reach)) || overlaps().any(|c| query.have_room(c)) {
-                return limit;
-            }
-            limit = deepest / FAR_DEEPER;
+    let is_kept = |of: &[(PatchContact, bool)]| {
+        let deepest = of.iter().map(|(c, _)| depth(c)).fold(0.0, f64::larger);
+        let before = depths.partition_point(|d| *d <= deepest / FAR_DEEPER);
+        let shallower = before.checked_sub(1).map_or(0.0, |k| depths[k]);
+        let reach = 2.0 * (shallower + 2.0 * query.doubt);
+        if of[0].1 || !(reach < deepest) {
+            return true;
         }
+        // A far shallower contact of the same patches says nothing about the deepest one.
+        let overlaps = || of.iter().map(|(c, _)| c).filter(|c| depth(c) > deepest / FAR_DEEPER);
+        overlaps().any(|c| query.is_deep(c, reach)) || overlaps().any(|c| query.have_room(c))
     };
-    let mut kept = Vec::with_capacity(all.len());
-    for of in all.chunk_by(|x, y| x.0.patches == y.0.patches) {
-        let limit = limit(of);
-        kept.extend(of.iter().map(|(c, _)| *c).filter(|c| depth(c) <= limit));
-    }
-    kept
+    let pairs = all.chunk_by(|x, y| x.0.patches == y.0.patches).filter(|of| is_kept(of));
+    pairs.flatten().map(|(c, _)| *c).collect()
 }
 
 impl PatchQuery<'_> {
