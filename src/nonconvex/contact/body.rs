@@ -495,8 +495,8 @@ impl NearPoint<'_> {
         let height = n.dot(&away);
         let normal = if height > 0.0 { away / sqrt(square) } else { *n };
         let cover = |normal| cover(self.body, of, &Point3::from(foot), normal, self.slack);
-        // Within the slack this direction is that of rounding, so the face must be covered along its
-        // normal as well.
+        // Within the slack this direction is that of rounding, so the face must be covered along
+        // its normal as well.
         let is_flush = height > 0.0 && height <= self.slack;
         let Some(by) = cover(&normal).filter(|_| !is_flush || cover(n).is_some()) else {
             return true;
