@@ -38,7 +38,7 @@ impl Progress {
 /// Long calls that report their progress to a callback, about a hundred times per stage.
 ///
 /// Use them for clouds of a million points, meshes of a million triangles and grids of a million
-/// nodes. Each method returns what the function of its name returns without a callback.
+/// nodes. Each method names the function whose result it returns.
 ///
 /// ```
 /// use core::ops::ControlFlow;

@@ -238,9 +238,9 @@ impl ContactTracker {
 /// sure.
 ///
 /// An overlap that a shift of B ends is as narrow as the shift: everywhere in it the surfaces of
-/// both bodies are near. So the contacts of two patches are kept if one of their points on B is
-/// deep inside A, or one of their points on A is deep inside B. The shift may be along the normals
-/// of three shallower contacts, and it may be none, for bodies that touch.
+/// both bodies are near. So the contacts of two patches are kept if the point on B of one that is
+/// nearly the deepest is deep inside A, or its point on A is deep inside B. The shift may be along
+/// the normals of three shallower contacts, and it may be none, for bodies that touch.
 ///
 /// The points of a real contact may all be at the ends of the overlap, next to other sides of both
 /// bodies. Then both bodies contain a ball beside one of them, and the contacts are kept as well.

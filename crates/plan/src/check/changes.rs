@@ -169,10 +169,14 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Takes what changed in the world.
     fn take_changes(&mut self) -> Result<(), PlanError> {
-        let owner = self.world.changes.owner;
         let changes = core::mem::take(&mut self.world.changes);
+        let is_other = changes.owner != self.number || changes.robot || self.check_world().is_err();
+        if is_other {
+            // A world that was taken out before is another one when it comes back.
+            self.number = Self::next_number();
+        }
         self.world.changes.owner = self.number;
-        if owner != self.number || changes.robot || self.check_world().is_err() {
+        if is_other {
             self.take_world()?;
         } else {
             self.take_pairs(changes)?;

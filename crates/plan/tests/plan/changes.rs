@@ -104,7 +104,18 @@ fn change(checker: &mut Checker<JointTree>, rng: &mut Rng) {
             change_world(&mut checker.world_mut(), rng);
             *checker.world_mut() = other;
         }
-        3..=6 => {
+        3 => {
+            // Another world, a query of it, and the world of before with a change.
+            let mut other = checker.world().clone();
+            for _ in 0..3 {
+                change_world(&mut other, rng);
+            }
+            let mut old = core::mem::replace(&mut *checker.world_mut(), other);
+            checker.is_free_at(&sample(rng)).expect("a configuration");
+            change_world(&mut old, rng);
+            *checker.world_mut() = old;
+        }
+        4..=6 => {
             let mut world = checker.world_mut();
             for _ in 0..2 + rng.below(4) {
                 change_world(&mut world, rng);
