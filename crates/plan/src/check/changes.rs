@@ -53,8 +53,9 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// paddings.
     ///
     /// The checker finds the pairs that changed; the others keep what they know. A whole world may
-    /// be assigned as well. If it does not fit the space, or if robot bodies are added, every call
-    /// returns the error until another world is assigned.
+    /// be assigned as well: all its pairs are then measured again, without
+    /// [boxes](Self::set_pair_boxes). If it does not fit the space, or if robot bodies are added,
+    /// every call returns the error until another world is assigned.
     ///
     /// ```
     /// # use lin_canny::nalgebra::Isometry3;
