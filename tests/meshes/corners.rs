@@ -54,6 +54,7 @@ fn bodies_that_pass_a_face_sideways_have_no_contact_with_it() {
         4_294_990_428,
         4_294_999_550,
         4_295_046_375,
+        4_295_141_224,
         4_295_152_752,
     ];
     for seed in seeds {

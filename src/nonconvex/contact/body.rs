@@ -38,6 +38,8 @@ pub struct ConvexPatches {
     fingerprint: Fingerprint,
     /// The origin of this frame in the caller's.
     origin: Vector3<f64>,
+    /// Whether a piece has no faces, so that its nearest surface points are known to bounds alone.
+    pub(super) is_curved: bool,
 }
 
 /// Returns the fingerprint of the patches of a mesh for a tolerance in stored units.
@@ -84,6 +86,7 @@ impl ConvexPatches {
             body: PatchedBody::Mesh(Arc::new(PatchedMesh::new(near, stored))),
             fingerprint,
             origin,
+            is_curved: false,
         }
     }
 
@@ -111,6 +114,7 @@ impl ConvexPatches {
         let (frame, is_near) = (body.side().frame, body.is_near());
         let near = if is_near { body } else { Arc::new(body.centred()) };
         Self {
+            is_curved: near.pieces().iter().any(|piece| solid_core(&piece.shape).is_none()),
             body: PatchedBody::Pieces(near, tolerance),
             fingerprint,
             origin: frame.origin,

@@ -234,6 +234,13 @@ impl ContactTracker {
     }
 }
 
+/// How many times the error bound of a position counts beside curved pieces, for contacts that are this
+/// many times deeper still.
+///
+/// The nearest surface point of a curved piece is known to the bounds of a distance, that of a face to
+/// rounding. Not measured.
+const CURVED: f64 = 64.0;
+
 /// Returns the contacts that no far shallower overlap explains, each with whether its depth is
 /// sure.
 ///
@@ -255,9 +262,13 @@ fn unresolved(query: &PatchQuery, all: &[(PatchContact, bool)]) -> Vec<PatchCont
         let deepest = of.iter().map(|(c, _)| depth(c)).fold(0.0, f64::larger);
         let before = depths.partition_point(|d| *d <= deepest / FAR_DEEPER);
         let shallower = before.checked_sub(1).map_or(0.0, |k| depths[k]);
-        let reach = 2.0 * (shallower + 2.0 * query.doubt);
+        let within = |doubt| 2.0 * (shallower + 2.0 * doubt);
+        let mut reach = within(query.doubt);
         if of[0].1 || !(reach < deepest) {
             return true;
+        }
+        if query.a.is_curved || query.b.is_curved {
+            reach = reach.larger(within(CURVED * query.doubt).smaller(deepest / CURVED));
         }
         // A far shallower contact of the same patches says nothing about the deepest one.
         let overlaps = || of.iter().map(|(c, _)| c).filter(|c| depth(c) > deepest / FAR_DEEPER);
