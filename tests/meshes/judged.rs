@@ -9,7 +9,7 @@ use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{ContactState, Geometry, Mesh, MeshKind, PairTracker, Ray, RayCast, RayCaster};
-use lin_canny_plan::{Checker, RigidSpace, World};
+use lin_canny_plan::{Cell, Checker, RigidSpace};
 use truth::exact_meshes::{apart, itself};
 use truth::pose::{quat, quat_mul, unit_quat};
 use truth::rational::{RBig, exact};
@@ -141,13 +141,12 @@ impl Tally {
             "{what}: {p:?} {q:?}"
         );
         self.surfaces += 1;
-        let mut world = World::new();
-        world.robot_body("robot", Geometry::from(n.clone()));
-        world
-            .add_obstacle("bent", Geometry::from(m.clone()), Isometry3::identity())
+        let mut cell = Cell::new();
+        cell.robot_body("robot", Geometry::from(n.clone()));
+        cell.add_obstacle("bent", Geometry::from(m.clone()), Isometry3::identity())
             .expect("an obstacle");
         let space = RigidSpace::new([[-60.0, 60.0]; 3], 1.0, 1).unwrap();
-        let mut checker = Checker::new(space, world).unwrap();
+        let mut checker = Checker::new(space, cell).unwrap();
         let meets = apart(a, b, pose).0 == RBig::ZERO || is_held((a, m), (b, n), pose);
         let is_free = checker
             .is_free_at(&RigidSpace::configuration(&pose.isometry()))

@@ -1,6 +1,6 @@
 //! Answers of checkers: pairs of bodies, verdicts, counts.
 
-use lin_canny_plan::{CheckWork, NearPair, Verdict, WorldId, WorldPair};
+use lin_canny_plan::{CellBody, CellPair, CheckWork, NearPair, Verdict};
 
 use crate::memory::Plain;
 
@@ -18,11 +18,11 @@ pub struct lc_world_body {
 /// Bits of an id below its kind.
 const KIND: u32 = 56;
 
-pub(crate) fn number(id: WorldId) -> lc_world_body {
+pub(crate) fn number(id: CellBody) -> lc_world_body {
     let (kind, index) = match id {
-        WorldId::Robot(k) => (1, k),
-        WorldId::Attached(k) => (2, k),
-        WorldId::Obstacle(k) => (3, k),
+        CellBody::Robot(k) => (1, k),
+        CellBody::Attached(k) => (2, k),
+        CellBody::Obstacle(k) => (3, k),
     };
     lc_world_body {
         id: kind << KIND | index as u64,
@@ -30,13 +30,13 @@ pub(crate) fn number(id: WorldId) -> lc_world_body {
 }
 
 /// Returns the id of a body; an invented number is an id that no world has.
-pub(crate) fn id(body: lc_world_body) -> WorldId {
+pub(crate) fn id(body: lc_world_body) -> CellBody {
     let index = (body.id & ((1 << KIND) - 1)) as usize;
     match body.id >> KIND {
-        1 => WorldId::Robot(index),
-        2 => WorldId::Attached(index),
-        3 => WorldId::Obstacle(index),
-        _ => WorldId::Obstacle(usize::MAX),
+        1 => CellBody::Robot(index),
+        2 => CellBody::Attached(index),
+        3 => CellBody::Obstacle(index),
+        _ => CellBody::Obstacle(usize::MAX),
     }
 }
 
@@ -82,7 +82,7 @@ pub(crate) const NO_PAIR: lc_near = lc_near {
     normal: [0.0; 3],
 };
 
-fn bodies(pair: WorldPair) -> [lc_world_body; 2] {
+fn bodies(pair: CellPair) -> [lc_world_body; 2] {
     [number(pair.a), number(pair.b)]
 }
 

@@ -4,17 +4,17 @@ use std::ffi::{c_char, c_void};
 
 use lin_canny::nalgebra::UnitQuaternion;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, JointCurve, JointMotion, JointTree, Path, PlanError, PlanMethod, PlanOptions,
-    RigidSpace, Shortcuts, TranslationSpace, World,
+    Cell, Checker, ConfigurationSpace, JointCurve, JointMotion, JointTree, Path, PlanError, PlanMethod, PlanOptions,
+    RigidSpace, Shortcuts, TranslationSpace,
 };
 
 use crate::border::{Status, bad_argument, error, guarded, lc_status, refused};
+use crate::cell::{NO_PAIR, id, lc_check_work, lc_near, lc_verdict, lc_world_body, near, number, verdict, work};
 use crate::geometry::{lc_geometry, shared};
 use crate::memory::{Given, Place, Places, Plain, array, options, table, text, written};
 use crate::pose::{isometry, lc_pose, pose_of};
 use crate::progress::{Reporter, lc_progress};
 use crate::table::{Changing, Table, Watched, lost};
-use crate::world::{NO_PAIR, id, lc_check_work, lc_near, lc_verdict, lc_world_body, near, number, verdict, work};
 
 /// A checker of a robot, or of one rigid body, among obstacles.
 ///
@@ -124,7 +124,7 @@ pub(crate) fn give(out: Place<'_, lc_checker>, checker: AnyChecker, names: Vec<S
 
 /// Returns a new checker of the same space and world.
 fn copy<C: ConfigurationSpace + Clone>(checker: &Checker<C>) -> Result<Checker<C>, PlanError> {
-    let mut new = Checker::new(checker.space().clone(), checker.world().clone())?;
+    let mut new = Checker::new(checker.space().clone(), checker.cell().clone())?;
     new.set_start_contact_margin(checker.start_contact_margin())?;
     if let Some(time) = checker.time() {
         new.set_time(time)?;
@@ -141,8 +141,8 @@ impl CheckerObject {
         each!(&self.checker, c => c.space().degrees_of_freedom())
     }
 
-    fn world(&self) -> &World {
-        each!(&self.checker, c => c.world())
+    fn cell(&self) -> &Cell {
+        each!(&self.checker, c => c.cell())
     }
 
     /// Returns an error unless configurations have this many coordinates.
@@ -181,15 +181,15 @@ pub unsafe extern "C" fn lc_checker_new_body(
         let bounds: [[f64; 2]; 3] = unsafe { Given::one(bounds.cast(), "bounds") }?;
         // SAFETY: by the caller's contract.
         let out = unsafe { Place::new(out, "out") }?;
-        let mut world = World::new();
-        world.robot_body("body", shared(body)?);
+        let mut cell = Cell::new();
+        cell.robot_body("body", shared(body)?);
         let (checker, names): (_, &[&str]) = if radius == 0.0 {
             let space = TranslationSpace::new(bounds, UnitQuaternion::identity(), 1).map_err(refused)?;
-            let checker = Checker::new(space, world).map_err(refused)?;
+            let checker = Checker::new(space, cell).map_err(refused)?;
             (AnyChecker::Translation(checker), &["x", "y", "z"])
         } else {
             let space = RigidSpace::new(bounds, radius, 1).map_err(refused)?;
-            let checker = Checker::new(space, world).map_err(refused)?;
+            let checker = Checker::new(space, cell).map_err(refused)?;
             (AnyChecker::Rigid(checker), &["x", "y", "z", "qx", "qy", "qz", "qw"])
         };
         give(out, checker, names.iter().map(ToString::to_string).collect())
@@ -240,8 +240,8 @@ pub unsafe extern "C" fn lc_checker_get_info(
             let info = lc_checker_info {
                 coordinates: object.coordinates(),
                 degrees_of_freedom: object.degrees_of_freedom(),
-                robot_bodies: object.world().robot_bodies().len(),
-                margin: object.world().margin(),
+                robot_bodies: object.cell().robot_bodies().len(),
+                margin: object.cell().margin(),
             };
             out.write(0, info);
             Ok(())
@@ -314,8 +314,8 @@ pub unsafe extern "C" fn lc_checker_body_name(
         let out = unsafe { Place::new(out, "out") }?;
         let name = with(checker, |object| {
             let body = id(body);
-            object.world().select(body).map_err(refused)?;
-            Ok(object.world().name(body).to_owned())
+            object.cell().select(body).map_err(refused)?;
+            Ok(object.cell().name(body).to_owned())
         })?;
         out.write_text(name)
     })
@@ -344,7 +344,7 @@ pub unsafe extern "C" fn lc_checker_find(
         // SAFETY: by the caller's contract.
         let count = unsafe { Place::new(count, "count") }?;
         with(checker, |object| {
-            let found = object.world().select(name).map_err(refused)?;
+            let found = object.cell().select(name).map_err(refused)?;
             count.write(out.fill(found.into_iter().map(number)));
             Ok(())
         })
@@ -372,7 +372,7 @@ pub unsafe extern "C" fn lc_checker_obstacle_add(
         let out = unsafe { Place::new(out, "out") }?;
         let geometry = shared(geometry)?;
         with(checker, |object| {
-            let added = each!(&mut object.checker, c => c.world_mut().add_obstacle(name, geometry, pose));
+            let added = each!(&mut object.checker, c => c.cell_mut().add_obstacle(name, geometry, pose));
             out.write(number(added.map_err(refused)?));
             Ok(())
         })
@@ -393,7 +393,7 @@ pub unsafe extern "C" fn lc_checker_obstacle_move(
         // SAFETY: by the caller's contract.
         let pose = isometry(&unsafe { Given::one(pose, "pose") }?);
         with(checker, |object| {
-            each!(&mut object.checker, c => c.world_mut().move_obstacle(id(obstacle), pose)).map_err(refused)?;
+            each!(&mut object.checker, c => c.cell_mut().move_obstacle(id(obstacle), pose)).map_err(refused)?;
             Ok(())
         })
     })
@@ -405,10 +405,10 @@ pub extern "C" fn lc_checker_remove(checker: lc_checker, body: lc_world_body) ->
     guarded(|| {
         with(checker, |object| {
             let done = match id(body) {
-                body @ lin_canny_plan::WorldId::Attached(_) => {
-                    each!(&mut object.checker, c => c.world_mut().detach(body))
+                body @ lin_canny_plan::CellBody::Attached(_) => {
+                    each!(&mut object.checker, c => c.cell_mut().detach(body))
                 }
-                body => each!(&mut object.checker, c => c.world_mut().remove_obstacle(body)),
+                body => each!(&mut object.checker, c => c.cell_mut().remove_obstacle(body)),
             };
             done.map_err(refused)?;
             Ok(())
@@ -453,7 +453,7 @@ pub unsafe extern "C" fn lc_checker_attach(
         }
         let geometry = shared(geometry)?;
         with(checker, |object| {
-            let added = each!(&mut object.checker, c => c.world_mut().attach(link, name, geometry, pose, &touch));
+            let added = each!(&mut object.checker, c => c.cell_mut().attach(link, name, geometry, pose, &touch));
             out.write(number(added.map_err(refused)?));
             Ok(())
         })
@@ -472,8 +472,8 @@ pub extern "C" fn lc_checker_exclude(
         with(checker, |object| {
             let (a, b) = (id(a), id(b));
             let done = match excluded {
-                0 => each!(&mut object.checker, c => c.world_mut().include(a, b)),
-                _ => each!(&mut object.checker, c => c.world_mut().exclude(a, b)),
+                0 => each!(&mut object.checker, c => c.cell_mut().include(a, b)),
+                _ => each!(&mut object.checker, c => c.cell_mut().exclude(a, b)),
             };
             done.map_err(refused)?;
             Ok(())
@@ -486,7 +486,7 @@ pub extern "C" fn lc_checker_exclude(
 pub extern "C" fn lc_checker_set_margin(checker: lc_checker, margin: f64) -> lc_status {
     guarded(|| {
         with(checker, |object| {
-            each!(&mut object.checker, c => c.world_mut().set_margin(margin)).map_err(refused)
+            each!(&mut object.checker, c => c.cell_mut().set_margin(margin)).map_err(refused)
         })
     })
 }
@@ -502,7 +502,7 @@ pub extern "C" fn lc_checker_set_pair_margin(
     guarded(|| {
         with(checker, |object| {
             let margin = (!(margin < 0.0)).then_some(margin);
-            each!(&mut object.checker, c => c.world_mut().set_pair_margin(id(a), id(b), margin)).map_err(refused)?;
+            each!(&mut object.checker, c => c.cell_mut().set_pair_margin(id(a), id(b), margin)).map_err(refused)?;
             Ok(())
         })
     })

@@ -30,6 +30,7 @@
 compile_error!("panics are caught at the border: build with panic = \"unwind\"");
 
 mod border;
+mod cell;
 mod checker;
 mod geometry;
 mod memory;
@@ -39,11 +40,11 @@ mod progress;
 mod robot;
 mod scene;
 mod table;
-mod world;
 
 use std::ffi::{CString, c_char};
 
 pub use border::lc_status;
+pub use cell::*;
 pub use checker::*;
 pub use geometry::*;
 pub use pair::*;
@@ -51,7 +52,6 @@ pub use pose::*;
 pub use progress::lc_progress;
 pub use robot::*;
 pub use scene::*;
-pub use world::*;
 
 /// The version of the interface. It grows by one with every change that breaks compiled callers.
 pub const LC_ABI: u32 = 0;

@@ -8,8 +8,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Progress};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, EdgeKind, FreewayEnd, JointMotion, Opportunistic, Plan, PlanOptions, PlanarSpace,
-    Shortcuts, World, widen,
+    Cell, Checker, ConfigurationSpace, EdgeKind, FreewayEnd, JointMotion, Opportunistic, Plan, PlanOptions,
+    PlanarSpace, Shortcuts, widen,
 };
 use lin_canny_record::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 use std::path::PathBuf;
@@ -76,15 +76,15 @@ fn run(options: &Options) -> Result<(), Trouble> {
         return Err("the door is wider than the room".into());
     }
     let walls = walls(options.door);
-    let mut world = World::new();
+    let mut cell = Cell::new();
     for piece in PIECES {
-        world.robot_body("piano", block(piece)?);
+        cell.robot_body("piano", block(piece)?);
     }
     for flat in &walls {
-        world.add_obstacle("wall", block(*flat)?, Isometry3::identity())?;
+        cell.add_obstacle("wall", block(*flat)?, Isometry3::identity())?;
     }
     let space = PlanarSpace::new(ROOM.map(|half| [-half, half]), 0.7, PIECES.len())?;
-    let mut checker = Checker::new(space, world)?;
+    let mut checker = Checker::new(space, cell)?;
     let (start, goal) = ([-1.4, 0.3, 1.57], [1.4, -0.3, -1.57]);
     let search = PlanOptions::default().seed(options.seed).unlimited();
     let began = Instant::now();

@@ -10,7 +10,7 @@ use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Geometry, Progress};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, JointMotion, Path, PlanError, PlanOptions, RigidSpace, RrtConnect, Shortcuts, World,
+    Cell, Checker, ConfigurationSpace, JointMotion, Path, PlanError, PlanOptions, RigidSpace, RrtConnect, Shortcuts,
 };
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -45,7 +45,7 @@ struct Options {
 
 /// What the file asks for.
 struct Job {
-    world: World,
+    cell: Cell,
     space: RigidSpace,
     ends: [Vec<f64>; 2],
     seed: u64,
@@ -87,17 +87,16 @@ fn job(file: &Value) -> Result<Job, String> {
     if robot.is_empty() {
         return Err("robot has no hull".into());
     }
-    let mut world = World::new();
+    let mut cell = Cell::new();
     // A radian counts as the farthest point of the robot from its origin.
     let points = robot.iter().flat_map(ConvexPolyhedron::vertex_points);
     let radius = points.map(|p| p.coords.norm()).fold(0.0, f64::max);
     let bodies = robot.len();
     for (k, hull) in robot.into_iter().enumerate() {
-        world.robot_body(format!("robot[{k}]"), hull);
+        cell.robot_body(format!("robot[{k}]"), hull);
     }
     for (k, hull) in hulls(&file["obstacles"], "obstacles")?.into_iter().enumerate() {
-        world
-            .add_obstacle(format!("obstacles[{k}]"), Geometry::from(hull), Isometry3::identity())
+        cell.add_obstacle(format!("obstacles[{k}]"), Geometry::from(hull), Isometry3::identity())
             .map_err(|e| e.to_string())?;
     }
     let [low, high] = bounds(&file["bounds"])?;
@@ -107,7 +106,7 @@ fn job(file: &Value) -> Result<Job, String> {
         bodies,
     );
     let job = Job {
-        world,
+        cell,
         space: space.map_err(|e| format!("bounds: {e}"))?,
         ends: [pose(&file["start"], "start")?, pose(&file["goal"], "goal")?],
         seed: seed(&file["seed"])?,
@@ -119,7 +118,7 @@ fn job(file: &Value) -> Result<Job, String> {
 
 /// Refuses ends that are out of bounds or in contact, by the name of the end.
 fn check(job: &Job) -> Result<(), String> {
-    let mut checker = Checker::new(job.space.clone(), job.world.clone()).map_err(|e| e.to_string())?;
+    let mut checker = Checker::new(job.space.clone(), job.cell.clone()).map_err(|e| e.to_string())?;
     for (q, end) in job.ends.iter().zip(["start", "goal"]) {
         let near = checker.clearance(q).map_err(|e| format!("{end}: {e}"))?;
         if let Some(near) = near.filter(|near| !(near.lower > 0.0)) {
@@ -220,7 +219,7 @@ fn pose(value: &Value, name: &str) -> Result<Vec<f64>, String> {
 /// Searches, shortens and writes; false if no path was found.
 fn run(job: &Job, out: &std::path::Path) -> Result<bool, String> {
     let said = |e: PlanError| e.to_string();
-    let mut checker = Checker::new(job.space.clone(), job.world.clone()).map_err(said)?;
+    let mut checker = Checker::new(job.space.clone(), job.cell.clone()).map_err(said)?;
     let options = PlanOptions::default().seed(job.seed).unlimited();
     let began = Instant::now();
     let [start, goal] = &job.ends;

@@ -9,7 +9,7 @@ use std::error::Error;
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Checker, ClearanceWidth, Joint, JointTree, RangeOptions, RangeProver, World, WorldId};
+use lin_canny_plan::{Cell, CellBody, Checker, ClearanceWidth, Joint, JointTree, RangeOptions, RangeProver};
 
 fn main() -> Result<(), Box<dyn Error>> {
     truth::command::no_options("How many cells prove the least clearance of an arm and a wall");
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 .cells(1_000_000)
                 .width(ClearanceWidth::Length(width));
             let (low, high) = (vec![-1.0; joints], vec![1.0; joints]);
-            let (link, wall) = (WorldId::Robot(0), WorldId::Obstacle(0));
+            let (link, wall) = (CellBody::Robot(0), CellBody::Obstacle(0));
             let answer = RangeProver::new(&options).pair(&mut checker, link, wall, &low, &high)?;
             let (cells, lower, upper) = (answer.cells, answer.lower, answer.upper);
             println!("{joints:6} {width:10.0e} {cells:10}   {lower:.8} to {upper:.8}");
@@ -49,12 +49,12 @@ fn arm(joints: usize) -> Result<Checker<JointTree>, Box<dyn Error>> {
         length,
     )?;
     let rod = solids::cuboid(Vector3::new(0.5 * length, 0.05, 0.05))?;
-    let mut world = World::new();
-    world.robot_body(
+    let mut cell = Cell::new();
+    cell.robot_body(
         "link",
         rod.transformed(&Isometry3::translation(0.5 * length, 0.0, 0.0))?,
     );
     let wall = solids::cuboid(Vector3::new(0.1, 2.0, 2.0))?;
-    world.add_obstacle("wall", wall, Isometry3::translation(1.3, 0.0, 0.0))?;
-    Ok(Checker::new(arm, world)?)
+    cell.add_obstacle("wall", wall, Isometry3::translation(1.3, 0.0, 0.0))?;
+    Ok(Checker::new(arm, cell)?)
 }

@@ -31,9 +31,9 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<(), Box<dyn Error>> {
-    let (arm, mut world) = arm::in_cell()?;
-    world.set_margin(options.margin)?;
-    let mut checker = Checker::new(arm, world)?;
+    let (arm, mut cell) = arm::in_cell()?;
+    cell.set_margin(options.margin)?;
+    let mut checker = Checker::new(arm, cell)?;
 
     let count = options.segments;
     let rows: Vec<Vec<f64>> = (0..=count).map(|k| motion::carry(k as f64 / count as f64)).collect();

@@ -10,7 +10,7 @@ use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, JointMotion, PlanOptions, PlanarSpace, RrtConnect, Shortcuts, SmoothOptions, SmoothPath, Smoother, World,
+    Cell, Checker, JointMotion, PlanOptions, PlanarSpace, RrtConnect, Shortcuts, SmoothOptions, SmoothPath, Smoother,
 };
 use lin_canny_record::svg::{BLUE, GREY, INK, ORANGE, Place, SKY, Svg};
 
@@ -47,14 +47,14 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<(), Box<dyn Error>> {
-    let mut world = World::new();
-    world.robot_body("plank", solids::cuboid(Vector3::new(PLANK[0], PLANK[1], 0.1))?);
+    let mut cell = Cell::new();
+    cell.robot_body("plank", solids::cuboid(Vector3::new(PLANK[0], PLANK[1], 0.1))?);
     for [[x, y], [a, b]] in WALLS {
         let wall = solids::cuboid(Vector3::new(a, b, 0.1))?;
-        world.add_obstacle("wall", wall, Isometry3::translation(x, y, 0.0))?;
+        cell.add_obstacle("wall", wall, Isometry3::translation(x, y, 0.0))?;
     }
     let space = PlanarSpace::new([[-1.4, 1.4], [-0.95, 0.95]], 0.25, 1)?;
-    let mut checker = Checker::new(space, world)?;
+    let mut checker = Checker::new(space, cell)?;
     let search = PlanOptions::default().seed(options.seed);
     let plan = RrtConnect::new(&search).plan(&mut checker, &[-1.2, -0.6, 0.0], &[1.2, -0.6, 0.0])?;
     let path = plan.path.ok_or("no path found")?;

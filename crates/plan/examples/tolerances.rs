@@ -11,7 +11,7 @@ use std::error::Error;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, ClearanceWidth, Drive, JointKind, JointTree, RangeOptions, RangeProver, TreeJoint, World, WorldId,
+    Cell, CellBody, Checker, ClearanceWidth, Drive, JointKind, JointTree, RangeOptions, RangeProver, TreeJoint,
 };
 
 /// The ranges of the two turns of the arm.
@@ -43,7 +43,7 @@ fn proved(checker: &mut Checker<JointTree>, tolerance: f64) -> Result<(&'static 
     let (t, [first, second]) = (tolerance, TURNS);
     let (low, high) = ([first[0], second[0], -t, -t, -t], [first[1], second[1], t, t, t]);
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-5));
-    let (part, fixture) = (WorldId::Robot(0), WorldId::Robot(1));
+    let (part, fixture) = (CellBody::Robot(0), CellBody::Robot(1));
     let answer = RangeProver::new(&options).pair(checker, part, fixture, &low, &high)?;
     Ok((answer.verdict.name(), answer.lower, answer.cells))
 }
@@ -71,9 +71,9 @@ fn cell() -> Result<Checker<JointTree>, Box<dyn Error>> {
     let error = [-0.1, 0.1];
     let limits = vec![TURNS[0], TURNS[1], error, error, error];
     let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![4, 5], vec![0.5; 6])?;
-    let mut world = World::new();
+    let mut cell = Cell::new();
     let part = solids::cuboid(Vector3::new(0.25, 0.03, 0.03))?;
-    world.robot_body("part", part.transformed(&Isometry3::translation(0.25, 0.0, 0.0))?);
-    world.robot_body("fixture", solids::cuboid(Vector3::new(0.1, 0.5, 0.5))?);
-    Ok(Checker::new(tree, world)?)
+    cell.robot_body("part", part.transformed(&Isometry3::translation(0.25, 0.0, 0.0))?);
+    cell.robot_body("fixture", solids::cuboid(Vector3::new(0.1, 0.5, 0.5))?);
+    Ok(Checker::new(tree, cell)?)
 }

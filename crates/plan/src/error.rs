@@ -1,8 +1,8 @@
-//! Errors of configuration spaces, worlds and checkers.
+//! Errors of configuration spaces, cells and checkers.
 
 use std::string::String;
 
-use crate::names::{WorldId, WorldPair};
+use crate::names::{CellBody, CellPair};
 use lin_canny::PoseError;
 use lin_canny::broad::{AabbError, BroadPhaseError};
 use lin_canny::impact::ImpactError;
@@ -40,10 +40,10 @@ pub enum PlanError {
     },
     /// Returned by proofs over ranges if the space does not move a body by joints.
     #[error("{0} is not moved by joints, so nothing is proven over ranges (expected a space with `joint_path`)")]
-    WithoutJoints(WorldId),
+    WithoutJoints(CellBody),
     /// Returned if an answer is resumed that belongs to other bodies or joints.
     #[error("the answer about {0} does not belong to this checker or range")]
-    OtherRange(WorldPair),
+    OtherRange(CellPair),
     /// Returned if boxes of pairs belong to another robot. Names what differs.
     #[error("the boxes of pairs do not belong to this checker: {0}")]
     OtherPairBoxes(String),
@@ -74,7 +74,7 @@ pub enum PlanError {
         /// Index of the coordinate.
         coordinate: usize,
     },
-    /// Returned if the world has a moving obstacle, and a motion or a configuration has no time.
+    /// Returned if the cell has a moving obstacle, and a motion or a configuration has no time.
     #[error("obstacle {0:?} moves (expected a motion with times, or a checker with a time)")]
     NoTime(String),
     /// Returned if a moving obstacle has no pose at a time of the query.
@@ -140,13 +140,13 @@ pub enum PlanError {
         /// The number.
         value: f64,
     },
-    /// Returned if the space and the world have different numbers of robot bodies.
-    #[error("number of robot bodies differs: {space} in the space, {world} in the world")]
+    /// Returned if the space and the cell have different numbers of robot bodies.
+    #[error("number of robot bodies differs: {space} in the space, {cell} in the cell")]
     Bodies {
         /// Number of bodies that the space moves.
         space: usize,
         /// Number of robot bodies in the world.
-        world: usize,
+        cell: usize,
     },
     /// Returned if no body or link has this name.
     #[error("body {name:?} does not exist{}", suggestion(near.as_deref()))]
@@ -161,10 +161,10 @@ pub enum PlanError {
     WithoutBodies(String),
     /// Returned if an attached object or obstacle existed, but was removed.
     #[error("{0} was removed")]
-    Removed(WorldId),
+    Removed(CellBody),
     /// Returned if no body ever had this id.
     #[error("{0} does not exist")]
-    NoBody(WorldId),
+    NoBody(CellBody),
     /// Returned if a body that moves with the robot is a half-space.
     #[error("body {0:?} is a half-space (expected a bounded geometry for a body that moves with the robot)")]
     Unbounded(String),

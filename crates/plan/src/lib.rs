@@ -1,7 +1,7 @@
 //! Checks and plans motions of robots among obstacles, with proofs.
 //!
 //! A [`Checker`] combines two things. A [`ConfigurationSpace`] gives the poses of the robot's
-//! bodies at a configuration and their motion along a segment. A [`World`] holds the bodies of the
+//! bodies at a configuration and their motion along a segment. A [`Cell`] holds the bodies of the
 //! robot, the obstacles and the pairs that may touch; shapes may be of any kind.
 //! [`Checker::certify`] decides a segment over its whole length. There is no step size, so no
 //! contact between two samples is missed. [`RrtConnect`] searches for a path of segments that are
@@ -9,19 +9,19 @@
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
-//! use lin_canny_plan::{Checker, JointMotion, PlanOptions, RigidSpace, World, RrtConnect, Shortcuts};
+//! use lin_canny_plan::{Checker, JointMotion, PlanOptions, RigidSpace, Cell, RrtConnect, Shortcuts};
 //! use lin_canny::polyhedron::solids;
 //!
 //! // A rod, and a wall of two blocks with a slit between them.
-//! let mut world = World::new();
-//! world.robot_body("rod", solids::cuboid(Vector3::new(0.5, 0.1, 0.1))?);
+//! let mut cell = Cell::new();
+//! cell.robot_body("rod", solids::cuboid(Vector3::new(0.5, 0.1, 0.1))?);
 //! let block = solids::cuboid(Vector3::new(0.2, 1.0, 2.0))?;
 //! for (name, y) in [("left", 1.2), ("right", -1.2)] {
 //!     let at = Isometry3::translation(0.0, y, 0.0);
-//!     world.add_obstacle(name, block.clone(), at)?;
+//!     cell.add_obstacle(name, block.clone(), at)?;
 //! }
 //! let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.5, 1)?;
-//! let mut checker = Checker::new(space, world)?;
+//! let mut checker = Checker::new(space, cell)?;
 //!
 //! let at = |x: f64| Isometry3::translation(x, 0.8, 0.0);
 //! let ends = [-1.5, 1.5].map(|x| RigidSpace::configuration(&at(x)));
@@ -42,7 +42,7 @@
 //! | And with a tracking error of each joint? | [`JointMotion::with_tube`]; [`Checker::tube_contact`] | [`Verdict`] for all motions within the error; a contact within it |
 //! | Are all motions near a segment free? | [`JointMotion::with_radius`] | [`Verdict`] for all motions within a distance of the segment |
 //! | How does a robot execute a path smoothly, within its limits? | [`Smoother`] | rows of times, positions and velocities, and curves proven free |
-//! | And among obstacles that move? | [`World::add_moving_obstacle`], [`JointMotion::with_times`] | [`Verdict`] on one clock |
+//! | And among obstacles that move? | [`Cell::add_moving_obstacle`], [`JointMotion::with_times`] | [`Verdict`] on one clock |
 //! | Why is a motion free? | [`Checker::certify_with`] | the certificates of every pair, in order of time |
 //! | How does somebody else check it? | [`Receipt::motion`](receipt::Receipt::motion) | a text that proves it without this library: see [`receipt`] |
 //! | How large is the clearance along a motion? | [`Checker::clearance_along`] | a proven lower bound, and a distance that is attained |
@@ -52,17 +52,17 @@
 //! | Can two bodies meet at any configuration of a range? | [`RangeProver`] | [`RangeVerdict`]: never, always, both, or open |
 //! | Which pairs are in contact? | [`Checker::in_contact`] | pairs |
 //!
-//! # A world that changes
+//! # A cell that changes
 //!
-//! A world is changed before its checker is made, or in the checker by [`Checker::world_mut`].
+//! A cell is changed before its checker is made, or in the checker by [`Checker::cell_mut`].
 //!
 //! | change | function |
 //! |---|---|
-//! | obstacles | [`World::add_obstacle`], [`move_obstacle`](World::move_obstacle), [`replace_obstacle`](World::replace_obstacle), [`remove_obstacle`](World::remove_obstacle) |
-//! | obstacles that move, and the time of configurations | [`World::add_moving_obstacle`], [`Checker::set_time`] |
-//! | objects that a link carries | [`World::attach`], [`detach`](World::detach), [`Checker::detach_at`] |
-//! | what pairs must keep | [`World::set_margin`], [`pad`](World::pad), [`set_pair_margin`](World::set_pair_margin) |
-//! | pairs that may touch | [`World::exclude`], [`include`](World::include), [`excluded`](World::excluded) |
+//! | obstacles | [`Cell::add_obstacle`], [`move_obstacle`](Cell::move_obstacle), [`replace_obstacle`](Cell::replace_obstacle), [`remove_obstacle`](Cell::remove_obstacle) |
+//! | obstacles that move, and the time of configurations | [`Cell::add_moving_obstacle`], [`Checker::set_time`] |
+//! | objects that a link carries | [`Cell::attach`], [`detach`](Cell::detach), [`Checker::detach_at`] |
+//! | what pairs must keep | [`Cell::set_margin`], [`pad`](Cell::pad), [`set_pair_margin`](Cell::set_pair_margin) |
+//! | pairs that may touch | [`Cell::exclude`], [`include`](Cell::include), [`excluded`](Cell::excluded) |
 //!
 //! A change costs no more than the pairs of the changed body, and all other trackers stay warm. A
 //! name acts on all bodies that have it. Ids are never used again.
@@ -197,7 +197,7 @@ mod search;
 mod tolerance;
 
 pub use cell::attached_object::AttachedObject;
-pub use cell::world::{Named, World};
+pub use cell::{Cell, Named};
 pub use check::batch::NearPairs;
 pub use check::certify::{Certified, CertifyOptions, PairProof};
 pub use check::checker::Checker;
@@ -213,7 +213,7 @@ pub use motion::timed_poses::TimedPoses;
 pub use motion::tree::JointTree;
 pub use motion::tree_motion::TreeSegment;
 pub use motion::tube::JointTube;
-pub use names::{Select, WorldId, WorldPair, nearest_name};
+pub use names::{CellBody, CellPair, Select, nearest_name};
 pub use range::pair_boxes::PairBoxes;
 pub use range::{ClearanceWidth, RangeAnswer, RangeCell, RangeOptions, RangeProver, RangeVerdict};
 pub use search::freeway::FreewayEnd;

@@ -4,10 +4,10 @@ use core::fmt;
 
 /// A robot body, an attached object or an obstacle, by its index in the order of insertion.
 ///
-/// [`World::name`](crate::World::name) returns its name, and [`World::show`](crate::World::show) prints it.
+/// [`Cell::name`](crate::Cell::name) returns its name, and [`Cell::show`](crate::Cell::show) prints it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum WorldId {
+pub enum CellBody {
     /// A robot body; the first is 0.
     Robot(usize),
     /// An object that was attached to the robot; the first is 0. Never used again.
@@ -16,7 +16,7 @@ pub enum WorldId {
     Obstacle(usize),
 }
 
-impl fmt::Display for WorldId {
+impl fmt::Display for CellBody {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Robot(k) => write!(f, "robot body {k}"),
@@ -29,25 +29,25 @@ impl fmt::Display for WorldId {
 /// A pair of bodies, at least one of which moves with the robot; the smaller id comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct WorldPair {
+pub struct CellPair {
     /// A robot body or an attached object.
-    pub a: WorldId,
+    pub a: CellBody,
     /// The obstacle, or a later body that moves with the robot.
-    pub b: WorldId,
+    pub b: CellBody,
 }
 
-impl WorldPair {
+impl CellPair {
     /// Returns the pair of two bodies, in any order.
     ///
     /// Returns `None` if the bodies are the same or both are obstacles: there is no such pair.
     #[must_use]
-    pub fn new(x: WorldId, y: WorldId) -> Option<Self> {
+    pub fn new(x: CellBody, y: CellBody) -> Option<Self> {
         let (a, b) = (x.min(y), x.max(y));
-        (a != b && !matches!(a, WorldId::Obstacle(_))).then_some(Self { a, b })
+        (a != b && !matches!(a, CellBody::Obstacle(_))).then_some(Self { a, b })
     }
 }
 
-impl fmt::Display for WorldPair {
+impl fmt::Display for CellPair {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} and {}", self.a, self.b)
     }
@@ -59,15 +59,15 @@ impl fmt::Display for WorldPair {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Select<'a> {
     /// One body.
-    Id(WorldId),
+    Id(CellBody),
     /// All bodies with this name.
     Name(&'a str),
     /// All bodies with one of these names. Links without bodies are passed over.
     Names(&'a [String]),
 }
 
-impl From<WorldId> for Select<'_> {
-    fn from(id: WorldId) -> Self {
+impl From<CellBody> for Select<'_> {
+    fn from(id: CellBody) -> Self {
         Self::Id(id)
     }
 }

@@ -8,8 +8,8 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{ContactState, Geometry, HalfSpace, PairTracker, RelativePose, Shape, Tracker};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, PlanarSpace, RangeOptions,
-    RangeProver, RigidSpace, TranslationSpace, TreeJoint, Verdict, World, WorldId,
+    Cell, CellBody, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, PlanarSpace,
+    RangeOptions, RangeProver, RigidSpace, TranslationSpace, TreeJoint, Verdict,
 };
 use lin_canny_verify::verify;
 use truth::arm::{self, motion};
@@ -36,8 +36,8 @@ fn holds(receipt: &Receipt) -> [String; 2] {
 
 /// The built-in arm in its cell.
 fn arm() -> Checker<JointTree> {
-    let (arm, world) = arm::in_cell().expect("the built-in cell");
-    Checker::new(arm, world).expect("a cell")
+    let (arm, cell) = arm::in_cell().expect("the built-in cell");
+    Checker::new(arm, cell).expect("a cell")
 }
 
 /// Writes and checks the receipt of a segment; returns whether it is free, blocked later (1), at
@@ -301,7 +301,7 @@ fn a_proof_of_a_library_that_errs_is_refused() {
         let Ok(Verdict::Blocked { pair, .. }) = checker.certify(&JointMotion::segment(&from, &to)) else {
             continue;
         };
-        if !matches!(pair.b, WorldId::Obstacle(_)) {
+        if !matches!(pair.b, CellBody::Obstacle(_)) {
             continue;
         }
         let path = [from.clone(), to.clone()];
@@ -310,7 +310,7 @@ fn a_proof_of_a_library_that_errs_is_refused() {
             .to_string();
         let elsewhere = Isometry3::translation(0.0, 0.0, -3.0);
         checker
-            .world_mut()
+            .cell_mut()
             .move_obstacle(pair.b, elsewhere)
             .expect("an obstacle");
         if !checker
@@ -397,41 +397,39 @@ fn sizes_and_times() {
 fn bodies_that_move_as_one_have_receipts() {
     let mut rng = Rng::new(3);
     let mut counts = [0; 4];
-    let world = || {
-        let mut world = World::new();
-        world.robot_body("rod", solids::cuboid(Vector3::new(0.5, 0.1, 0.1)).expect("a box"));
-        world.robot_body("ball", Shape::ball(0.15).expect("a ball"));
+    let cell = || {
+        let mut cell = Cell::new();
+        cell.robot_body("rod", solids::cuboid(Vector3::new(0.5, 0.1, 0.1)).expect("a box"));
+        cell.robot_body("ball", Shape::ball(0.15).expect("a ball"));
         let block = solids::cuboid(Vector3::new(0.2, 1.0, 2.0)).expect("a box");
         for y in [1.3, -1.3] {
-            world
-                .add_obstacle("wall", block.clone(), Isometry3::translation(0.0, y, 0.0))
+            cell.add_obstacle("wall", block.clone(), Isometry3::translation(0.0, y, 0.0))
                 .expect("an obstacle");
         }
-        world
-            .add_obstacle(
-                "knob",
-                Shape::ball(0.2).expect("a ball"),
-                Isometry3::translation(1.0, 0.3, 0.0),
-            )
-            .expect("an obstacle");
-        world.set_margin(0.01).expect("a margin");
-        world
+        cell.add_obstacle(
+            "knob",
+            Shape::ball(0.2).expect("a ball"),
+            Isometry3::translation(1.0, 0.3, 0.0),
+        )
+        .expect("an obstacle");
+        cell.set_margin(0.01).expect("a margin");
+        cell
     };
     let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.5, 2).expect("a space");
-    let mut checker = Checker::new(space, world()).expect("a world");
+    let mut checker = Checker::new(space, cell()).expect("a world");
     for _ in 0..30 {
         let [from, to] = [(); 2].map(|()| checker.space().sample(&mut || rng.uniform()));
         counts[judge(&mut checker, &from, &to)] += 1;
     }
     let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 2).expect("a space");
-    let mut checker = Checker::new(space, world()).expect("a world");
+    let mut checker = Checker::new(space, cell()).expect("a world");
     for _ in 0..30 {
         let [from, to] = [(); 2].map(|()| checker.space().sample(&mut || rng.uniform()));
         counts[judge(&mut checker, &from, &to)] += 1;
     }
     let turn = UnitQuaternion::from_euler_angles(0.1, 0.2, 0.3);
     let space = TranslationSpace::new([[-2.0, 2.0]; 3], turn, 2).expect("a space");
-    let mut checker = Checker::new(space, world()).expect("a world");
+    let mut checker = Checker::new(space, cell()).expect("a world");
     for _ in 0..30 {
         let [from, to] = [(); 2].map(|()| checker.space().sample(&mut || rng.uniform()));
         counts[judge(&mut checker, &from, &to)] += 1;
@@ -477,38 +475,35 @@ fn a_tree_with_attached_objects_and_margins_has_receipts() {
     let limits = vec![[-1.0, 1.0], [-2.0, 2.0]];
     let base = Isometry3::new(Vector3::new(0.0, 0.0, 0.5), Vector3::new(0.0, 0.1, 0.0));
     let space = JointTree::new(base, joints, limits, vec![0, 2, 4], vec![0.5; 5]).expect("a tree");
-    let mut world = World::new();
-    world.robot_body("foot", solids::cuboid(Vector3::new(0.1, 0.1, 0.4)).expect("a box"));
-    world.robot_body("upper \"arm\"", Shape::capsule(0.2, 0.05).expect("a capsule"));
-    world.robot_body("hand", solids::octahedron(0.15).expect("a body"));
-    world
-        .attach(
-            "hand",
-            "part",
-            Shape::cylinder(0.1, 0.05).expect("a cylinder"),
-            turned,
-            &["hand"],
-        )
-        .expect("a link");
-    world
-        .add_obstacle(
-            "post",
-            solids::prism(7, 0.5, 0.1).expect("a prism"),
-            Isometry3::translation(0.9, 0.5, 0.5),
-        )
-        .expect("an obstacle");
-    world
-        .add_obstacle(
-            "cone",
-            Shape::cone(0.2, 0.1).expect("a cone"),
-            Isometry3::translation(-0.4, -0.9, 0.7),
-        )
-        .expect("an obstacle");
-    world.set_margin(0.002).expect("a margin");
-    world.pad("post", 0.01).expect("a body");
-    world.set_pair_margin("hand", "cone", Some(0.03)).expect("a pair");
-    world.exclude("foot", "upper \"arm\"").expect("a pair");
-    let mut checker = Checker::new(space, world).expect("a world");
+    let mut cell = Cell::new();
+    cell.robot_body("foot", solids::cuboid(Vector3::new(0.1, 0.1, 0.4)).expect("a box"));
+    cell.robot_body("upper \"arm\"", Shape::capsule(0.2, 0.05).expect("a capsule"));
+    cell.robot_body("hand", solids::octahedron(0.15).expect("a body"));
+    cell.attach(
+        "hand",
+        "part",
+        Shape::cylinder(0.1, 0.05).expect("a cylinder"),
+        turned,
+        &["hand"],
+    )
+    .expect("a link");
+    cell.add_obstacle(
+        "post",
+        solids::prism(7, 0.5, 0.1).expect("a prism"),
+        Isometry3::translation(0.9, 0.5, 0.5),
+    )
+    .expect("an obstacle");
+    cell.add_obstacle(
+        "cone",
+        Shape::cone(0.2, 0.1).expect("a cone"),
+        Isometry3::translation(-0.4, -0.9, 0.7),
+    )
+    .expect("an obstacle");
+    cell.set_margin(0.002).expect("a margin");
+    cell.pad("post", 0.01).expect("a body");
+    cell.set_pair_margin("hand", "cone", Some(0.03)).expect("a pair");
+    cell.exclude("foot", "upper \"arm\"").expect("a pair");
+    let mut checker = Checker::new(space, cell).expect("a world");
     let mut rng = Rng::new(5);
     let mut counts = [0; 2];
     for _ in 0..60 {
@@ -604,12 +599,11 @@ fn what_has_no_receipt_is_an_error_with_a_name() {
     let space = || TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
     let die = solids::cuboid(Vector3::repeat(0.5)).expect("a box");
     let refused = |geometry: Geometry| {
-        let mut world = World::new();
-        world.robot_body("die", die.clone());
-        world
-            .add_obstacle("thing", geometry, Isometry3::translation(0.0, 0.0, -5.0))
+        let mut cell = Cell::new();
+        cell.robot_body("die", die.clone());
+        cell.add_obstacle("thing", geometry, Isometry3::translation(0.0, 0.0, -5.0))
             .expect("an obstacle");
-        let mut checker = Checker::new(space(), world).expect("a world");
+        let mut checker = Checker::new(space(), cell).expect("a world");
         Receipt::motion(&mut checker, &JointMotion::segment(&[0.0; 3], &[1.0, 0.0, 0.0]))
             .unwrap_err()
             .to_string()
@@ -620,12 +614,11 @@ fn what_has_no_receipt_is_an_error_with_a_name() {
     assert!(refused(egg.into()).starts_with("body \"thing\" has no receipt: it is a curved shape"));
 
     // A contact at the start that is left, and a path of a rigid body.
-    let mut world = World::new();
-    world.robot_body("die", die.clone());
-    world
-        .add_obstacle("table", die.clone(), Isometry3::translation(0.0, 0.0, -1.0))
+    let mut cell = Cell::new();
+    cell.robot_body("die", die.clone());
+    cell.add_obstacle("table", die.clone(), Isometry3::translation(0.0, 0.0, -1.0))
         .expect("an obstacle");
-    let mut checker = Checker::new(space(), world).expect("a world");
+    let mut checker = Checker::new(space(), cell).expect("a world");
     checker.set_start_contact_margin(Some(1e-3)).expect("a margin");
     let (down, up) = ([0.0; 3], [0.0, 0.0, 2.0]);
     assert!(

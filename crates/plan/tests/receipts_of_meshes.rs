@@ -7,7 +7,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ContactState, Geometry, Mesh, Outcome, PairTracker, Piece, RelativePose, Shape, Velocity};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
-    Checker, Joint, JointMotion, JointTree, RangeOptions, RangeProver, TranslationSpace, Verdict, World,
+    Cell, Checker, Joint, JointMotion, JointTree, RangeOptions, RangeProver, TranslationSpace, Verdict,
 };
 use lin_canny_verify::verify;
 use truth::casts::aimed;
@@ -50,12 +50,11 @@ fn rod(kind: usize) -> Geometry {
 
 fn moved(rod: Geometry, around: Geometry) -> Checker<TranslationSpace> {
     let space = TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
-    let mut world = World::new();
-    world.robot_body("rod", rod);
-    world
-        .add_obstacle("frame", around, Isometry3::identity())
+    let mut cell = Cell::new();
+    cell.robot_body("rod", rod);
+    cell.add_obstacle("frame", around, Isometry3::identity())
         .expect("an obstacle");
-    Checker::new(space, world).expect("a world")
+    Checker::new(space, cell).expect("a world")
 }
 
 fn frames() -> [Geometry; 2] {
@@ -350,12 +349,10 @@ fn ranges_of_meshes_and_compounds_have_receipts() {
                 Joint::revolute(origin, Vector3::z_axis(), [-3.0, 3.0]),
             ];
             let arm = JointTree::serial(origin, joints, vec![2], 1.0).expect("an arm");
-            let mut world = World::new();
-            world.robot_body("rod", rod(kind));
-            world
-                .add_obstacle("frame", around.clone(), origin)
-                .expect("an obstacle");
-            let mut checker = Checker::new(arm, world).expect("a world");
+            let mut cell = Cell::new();
+            cell.robot_body("rod", rod(kind));
+            cell.add_obstacle("frame", around.clone(), origin).expect("an obstacle");
+            let mut checker = Checker::new(arm, cell).expect("a world");
             // In the hole, and from above it through the hole.
             for (low, inside) in [([-0.2, -1.0], true), ([-2.0, -0.5], false)] {
                 let high = [0.2, 0.5];

@@ -3,6 +3,7 @@
 mod answers;
 mod audit;
 mod batches;
+mod cell;
 mod motion_batch;
 mod motions;
 mod pair_boxes;
@@ -10,12 +11,11 @@ mod range;
 mod setup;
 mod smooth;
 mod view;
-mod world;
 
 pub(crate) use answers::{NearPair, Verdict};
 pub(crate) use audit::LinkAudit;
+pub(crate) use cell::BodyId;
 pub(crate) use range::RangeAnswer;
-pub(crate) use world::BodyId;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -23,10 +23,10 @@ use std::time::Instant;
 use lin_canny::Progress;
 use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{
-    Checker as Loaded, ConfigurationSpace, JointMotion, JointTree, Path, PlanError, PlanMethod, PlanOptions, Shortcuts,
-    World,
+    Cell, Checker as Loaded, ConfigurationSpace, JointMotion, JointTree, Path, PlanError, PlanMethod, PlanOptions,
+    Shortcuts,
 };
-use lin_canny_robot::{Cell, Coordinate, Setup};
+use lin_canny_robot::{CellFile, Coordinate, Setup};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
@@ -135,13 +135,13 @@ impl Checker {
 
     fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let checker = &self.checker;
-        let state = (checker.world(), checker.start_contact_margin(), checker.time());
+        let state = (checker.cell(), checker.start_contact_margin(), checker.time());
         Ok(PyBytes::new(py, &postcard::to_stdvec(&state).map_err(refused)?))
     }
 
     fn __setstate__(&mut self, state: &[u8]) -> PyResult<()> {
-        let (world, margin, time): (World, _, _) = postcard::from_bytes(state).map_err(plan_error)?;
-        *self.checker = checker_of(self.checker.space().clone(), world, margin, time)?;
+        let (cell, margin, time): (Cell, _, _) = postcard::from_bytes(state).map_err(plan_error)?;
+        *self.checker = checker_of(self.checker.space().clone(), cell, margin, time)?;
         Ok(())
     }
 
@@ -152,7 +152,7 @@ impl Checker {
     /// Bodies keep their order; those that were removed have no id in it. The file does not hold
     /// `start_contact_margin`. Raises FileError if the file cannot be written.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let cell = Cell::from_world(self.checker.world());
+        let cell = CellFile::from_world(self.checker.cell());
         py.detach(|| cell.save(path)).map_err(file_error)
     }
 
@@ -191,12 +191,12 @@ impl Checker {
     /// The distance that pairs without a margin of their own must keep to be free, a length.
     #[getter]
     fn margin(&self) -> f64 {
-        self.checker.world().margin()
+        self.checker.cell().margin()
     }
 
     #[setter]
     fn set_margin(&mut self, margin: f64) -> PyResult<()> {
-        self.checker.world_mut().set_margin(margin).map_err(plan_error)
+        self.checker.cell_mut().set_margin(margin).map_err(plan_error)
     }
 
     /// The distance within which a contact at the start of a segment is accepted, or None.
@@ -383,15 +383,15 @@ impl Checker {
     }
 
     fn __repr__(&self) -> String {
-        let world = self.checker.world();
-        let (robot, attached) = (world.robot_bodies().len(), world.attached().count());
+        let cell = self.checker.cell();
+        let (robot, attached) = (cell.robot_bodies().len(), cell.attached().count());
         let carried = match attached {
             0 => String::new(),
             count => format!("{count} attached, "),
         };
         format!(
             "<Checker: {robot} bodies, {carried}{} obstacles, {} coordinates>",
-            world.obstacles().len(),
+            cell.obstacles().len(),
             self.dof()
         )
     }
@@ -458,8 +458,8 @@ impl Checker {
     }
 }
 
-fn checker_of(space: JointTree, world: World, margin: Option<f64>, time: Option<f64>) -> PyResult<Loaded<JointTree>> {
-    let mut checker = Loaded::new(space, world).map_err(plan_error)?;
+fn checker_of(space: JointTree, cell: Cell, margin: Option<f64>, time: Option<f64>) -> PyResult<Loaded<JointTree>> {
+    let mut checker = Loaded::new(space, cell).map_err(plan_error)?;
     checker.set_start_contact_margin(margin).map_err(plan_error)?;
     time.map_or(Ok(()), |time| checker.set_time(time)).map_err(plan_error)?;
     Ok(checker)

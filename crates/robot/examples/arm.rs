@@ -154,7 +154,7 @@ fn picture(
     let (distance, points, name, at) = nearest.ok_or("the path is empty")?;
     let mut bodies: Vec<_> = things.iter().map(|(_, shape, _)| (shape, false)).collect();
     let mut poses: Vec<_> = things.iter().map(|(_, _, pose)| *pose).collect();
-    let links = checker.world().robot_bodies().map(|(_, shape)| common::outline(shape));
+    let links = checker.cell().robot_bodies().map(|(_, shape)| common::outline(shape));
     let shapes: Vec<ConvexPolyhedron> = links.collect::<Result<_, Trouble>>()?;
     let mut placed: Vec<Isometry3<f64>> = vec![];
     for q in [&path[0], &places[at], &path[path.len() - 1]] {

@@ -111,17 +111,17 @@ fn picture(
 ) -> Result<String, Trouble> {
     let mut poses = vec![];
     checker.space().place(q, &mut poses);
-    let world = checker.world();
+    let cell = checker.cell();
     // Frames without bodies come last.
-    poses.truncate(world.robot_bodies().len());
-    let links = world
+    poses.truncate(cell.robot_bodies().len());
+    let links = cell
         .robot_bodies()
         .map(|(_, shape)| Ok((common::outline(shape)?, true)));
-    let things = world
+    let things = cell
         .obstacles()
         .map(|(_, shape, _)| Ok((common::outline(shape)?, false)));
     let shapes: Vec<(ConvexPolyhedron, bool)> = links.chain(things).collect::<Result<_, Trouble>>()?;
-    poses.extend(world.obstacles().map(|(_, _, pose)| *pose));
+    poses.extend(cell.obstacles().map(|(_, _, pose)| *pose));
     let picture = common::Picture {
         caption,
         bodies: shapes.iter().map(|(shape, is_robot)| (shape, *is_robot)).collect(),
@@ -161,7 +161,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
         }
     };
     let mut checker = checker(&robot, &cell::things(&options.cell)?, &joints(0))?;
-    let bodies = checker.world().robot_bodies().len() + checker.world().obstacles().len();
+    let bodies = checker.cell().robot_bodies().len() + checker.cell().obstacles().len();
     println!("{} joints, {bodies} bodies\n", limits.len());
     println!(
         "Frames in which another pair becomes the closest; a distance below zero is minus the depth of an overlap.\n"

@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_robot::plan::{JointCurve, JointMotion, TimedPoses, Verdict};
-use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Trajectory};
+use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Setup, Trajectory};
 
 /// A message `JointTrajectory`: up beside the fence, over it, and down on the other side.
 const TRAJECTORY: &str = "
@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     let (packages, options) = (Packages::default(), LoadOptions::default());
     let arm = Robot::parse(include_str!("arm.urdf"), "arm.urdf", &packages, &options)?;
-    let cell = Cell::parse(include_str!("cell.json"), "cell.json", &packages, &options)?;
+    let cell = CellFile::parse(include_str!("cell.json"), "cell.json", &packages, &options)?;
     let mut setup = Setup::new();
     setup.robot("", &arm, Isometry3::identity());
     setup.exclude_adjacent();
@@ -80,7 +80,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let lowered = [at(1.5, 0.0), at(0.45, FRAC_PI_2), at(0.45, FRAC_PI_2)];
     let poses = TimedPoses::new(&[0.0, 2.0, 9.0], &lowered)?;
     checker
-        .world_mut()
+        .cell_mut()
         .add_moving_obstacle("crate", solids::cuboid(Vector3::repeat(0.1))?, poses)?;
     let times = trajectory.times.ok_or("the points have times")?;
     for delay in [0.0, 1.0, 2.0] {

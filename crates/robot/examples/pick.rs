@@ -76,7 +76,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
         began.elapsed()
     );
     let mut checker = cell(hood)?;
-    checker.world_mut().pad("post", 0.01)?;
+    checker.cell_mut().pad("post", 0.01)?;
 
     let home = [-0.6, -0.6, 2.2, 0.0, PI - 1.6, 0.0];
     let taken = upwards(TAKEN);
@@ -93,13 +93,13 @@ fn run(options: &Options) -> Result<(), Trouble> {
     proven(&mut checker, "lower", &taken)?;
     film.show(&mut checker, "lower", &reversed(&taken))?;
 
-    let part = checker.world().select("part")?[0];
-    let pose = *checker.world().obstacle_pose(part).ok_or("no part")?;
-    let shape = checker.world().geometry(part).ok_or("no part")?.clone();
+    let part = checker.cell().select("part")?[0];
+    let pose = *checker.cell().obstacle_pose(part).ok_or("no part")?;
+    let shape = checker.cell().geometry(part).ok_or("no part")?.clone();
     let grip = checker.link_pose("gripper", &taken[0])?.inverse() * pose;
-    checker.world_mut().remove_obstacle(part)?;
+    checker.cell_mut().remove_obstacle(part)?;
     checker
-        .world_mut()
+        .cell_mut()
         .attach("gripper", "part", shape, grip, &["gripper"])?;
 
     proven(&mut checker, "lift", &taken)?;
@@ -298,7 +298,7 @@ const DOTS: usize = 6000;
 
 /// The arm in its cell where the part is closest to the post, and the part at both ends of the path.
 fn picture(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<String, Trouble> {
-    let names = [checker.world().select("part")?[0], checker.world().select("post")?[0]];
+    let names = [checker.cell().select("part")?[0], checker.cell().select("post")?[0]];
     let mut nearest: Option<(NearPair, Vec<f64>)> = None;
     for ends in path.windows(2) {
         for k in 0..=40 {
@@ -313,13 +313,13 @@ fn picture(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<String
     }
     let (near, q) = nearest.ok_or("the path is empty")?;
     let (mut shapes, mut poses, mut cloud) = (vec![], vec![], vec![]);
-    let world = checker.world();
-    for (id, name) in world.bodies() {
-        match world.geometry(id).ok_or("no geometry")? {
+    let cell = checker.cell();
+    for (id, name) in cell.bodies() {
+        match cell.geometry(id).ok_or("no geometry")? {
             Geometry::Cloud(hood) => cloud = hood.points(),
             Geometry::HalfSpace(_) => {}
             geometry => {
-                let is_moving = world.obstacle_pose(id).is_none();
+                let is_moving = cell.obstacle_pose(id).is_none();
                 let outline = common::outline(geometry)?;
                 if name == "part" {
                     for end in [&path[0], &path[path.len() - 1]] {

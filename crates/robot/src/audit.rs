@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use lin_canny::Progress;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, JointTree, PlanError, RangeAnswer, RangeOptions, RangeProver, RangeVerdict, WorldId,
-    WorldPair, nearest_name,
+    CellBody, CellPair, Checker, ConfigurationSpace, JointTree, PlanError, RangeAnswer, RangeOptions, RangeProver,
+    RangeVerdict, nearest_name,
 };
 
 use crate::srdf::{ExcludedPair, Srdf};
@@ -110,8 +110,8 @@ pub fn audit(
     if let Some(answer) = earlier.iter().find(has_other_range) {
         return Err(PlanError::OtherRange(answer.pair));
     }
-    let known: BTreeMap<WorldPair, &RangeAnswer> = earlier.iter().map(|answer| (answer.pair, answer)).collect();
-    let mut rows: Vec<(WorldPair, [String; 2], Option<RangeAnswer>, Duration)> = pairs(checker)
+    let known: BTreeMap<CellPair, &RangeAnswer> = earlier.iter().map(|answer| (answer.pair, answer)).collect();
+    let mut rows: Vec<(CellPair, [String; 2], Option<RangeAnswer>, Duration)> = pairs(checker)
         .into_iter()
         .map(|(pair, names)| (pair, names, known.get(&pair).copied().cloned(), Duration::ZERO))
         .collect();
@@ -173,18 +173,12 @@ pub fn audit_pair(
     [low, high]: [&[f64]; 2],
     options: &RangeOptions,
 ) -> Result<LinkAudit, PlanError> {
-    let world = checker.world();
-    let of = |name: &str| {
-        world
-            .bodies()
-            .filter(|body| body.1 == name)
-            .map(|body| body.0)
-            .collect()
-    };
-    let [a, b]: [Vec<WorldId>; 2] = names.map(of);
+    let cell = checker.cell();
+    let of = |name: &str| cell.bodies().filter(|body| body.1 == name).map(|body| body.0).collect();
+    let [a, b]: [Vec<CellBody>; 2] = names.map(of);
     for (ids, name) in [(&a, names[0]), (&b, names[1])] {
         if ids.is_empty() {
-            let near = nearest_name(name, world.bodies().map(|body| body.1));
+            let near = nearest_name(name, cell.bodies().map(|body| body.1));
             let name = name.to_owned();
             return Err(PlanError::Unnamed { name, near });
         }
@@ -258,16 +252,16 @@ pub fn audit_cells(checker: &mut Checker<JointTree>, count: usize) -> Result<Vec
 }
 
 /// Returns all pairs of bodies with their names.
-fn pairs(checker: &Checker<JointTree>) -> Vec<(WorldPair, [String; 2])> {
-    let bodies: Vec<(WorldId, &str)> = checker.world().bodies().collect();
+fn pairs(checker: &Checker<JointTree>) -> Vec<(CellPair, [String; 2])> {
+    let bodies: Vec<(CellBody, &str)> = checker.cell().bodies().collect();
     let mut pairs = Vec::new();
     for (k, a) in bodies.iter().enumerate() {
         for b in &bodies[k + 1..] {
             let is_rigid = match (a.0, b.0) {
-                (WorldId::Robot(x), WorldId::Robot(y)) => checker.space().is_rigid(x, y),
+                (CellBody::Robot(x), CellBody::Robot(y)) => checker.space().is_rigid(x, y),
                 _ => false,
             };
-            if let Some(pair) = WorldPair::new(a.0, b.0).filter(|_| !is_rigid) {
+            if let Some(pair) = CellPair::new(a.0, b.0).filter(|_| !is_rigid) {
                 pairs.push((pair, [a.1.to_owned(), b.1.to_owned()]));
             }
         }

@@ -33,7 +33,7 @@ pub struct BodyName {
     /// The name of links, attached objects or obstacles.
     pub name: String,
     /// The index of one body among those with the name, in the order of
-    /// [`World::bodies`](lin_canny_plan::World::bodies); `None` for all of them.
+    /// [`Cell::bodies`](lin_canny_plan::Cell::bodies); `None` for all of them.
     pub index: Option<usize>,
 }
 
@@ -136,7 +136,7 @@ impl From<NameText> for BodyName {
 /// are not static are obstacles too: they stay at this pose. `collide_bitmask` has no effect.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
-pub struct Cell {
+pub struct CellFile {
     /// The obstacles.
     pub obstacles: Vec<Obstacle>,
     /// Objects that are attached to links.
@@ -182,7 +182,7 @@ struct AttachedText {
     body: BodyText,
 }
 
-impl Cell {
+impl CellFile {
     /// Returns the cell of a JSON text.
     pub(crate) fn from_json(
         text: &str,

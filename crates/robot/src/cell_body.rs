@@ -22,7 +22,7 @@ const SHAPES: &str = "box, cylinder, capsule, sphere, ellipsoid, cone, mesh, clo
 
 /// An object that is attached to a link, from a JSON file.
 ///
-/// The file is a body of a [`Cell`](crate::Cell), in the frame of the link, with the links that the
+/// The file is a body of a [`CellFile`](crate::CellFile), in the frame of the link, with the links that the
 /// object may touch:
 ///
 /// ```json

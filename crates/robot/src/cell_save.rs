@@ -7,10 +7,10 @@ use std::path::Path;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::shape::Core;
 use lin_canny::{Geometry, RelativePose};
-use lin_canny_plan::{TimedPoses, World, WorldId};
+use lin_canny_plan::{Cell, CellBody, TimedPoses};
 use serde::Serialize;
 
-use crate::cell::{BodyName, Cell, Obstacle};
+use crate::cell::{BodyName, CellFile, Obstacle};
 use crate::cell_body::{AttachedBody, BlockText, EllipsoidText, HalfSpaceText, PosesText, RoundText, SphereText};
 use crate::error::{FileError, FileErrorKind};
 use crate::geometry::Solid;
@@ -75,7 +75,7 @@ impl<'a> From<&'a BodyName> for NameLine<'a> {
 }
 
 /// Saves worlds.
-impl Cell {
+impl CellFile {
     /// Returns the cell of a world: its obstacles, attached objects, paddings, margins and excluded
     /// pairs.
     ///
@@ -88,7 +88,7 @@ impl Cell {
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::{HalfSpace, Shape};
-    /// use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup};
+    /// use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Setup};
     ///
     /// let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/gripper.urdf");
     /// let robot = Robot::load(urdf, &Packages::default())?;
@@ -97,33 +97,33 @@ impl Cell {
     /// setup.exclude_adjacent();
     /// let mut checker = setup.checker()?;
     /// let floor = HalfSpace::new(Vector3::z(), -0.1)?;
-    /// checker.world_mut().add_obstacle("floor", floor, Isometry3::identity())?;
-    /// checker.world_mut().pad("floor", 0.01)?;
-    /// let text = Cell::from_world(checker.world()).to_json()?;
+    /// checker.cell_mut().add_obstacle("floor", floor, Isometry3::identity())?;
+    /// checker.cell_mut().pad("floor", 0.01)?;
+    /// let text = CellFile::from_world(checker.cell()).to_json()?;
     ///
     /// let (packages, options) = (Packages::default(), LoadOptions::default());
     /// let mut again = Setup::new();
     /// again.robot("", &robot, Isometry3::identity());
-    /// again.cell(&Cell::parse(&text, "cell.json", &packages, &options)?);
+    /// again.cell(&CellFile::parse(&text, "cell.json", &packages, &options)?);
     /// let mut loaded = again.checker()?;
     /// let q = [0.0, 0.6, 1.0, 0.0, 0.5, 0.0, 0.02];
     /// assert_eq!(loaded.clearance(&q)?, checker.clearance(&q)?);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn from_world(world: &World) -> Self {
-        let names = Names::new(world);
-        let ids = world
+    pub fn from_world(cell: &Cell) -> Self {
+        let names = Names::new(cell);
+        let ids = cell
             .bodies()
             .map(|(id, _)| id)
-            .filter(|id| world.obstacle_pose(*id).is_some());
-        let obstacles = world.obstacles().zip(ids).map(|((name, geometry, pose), id)| Obstacle {
+            .filter(|id| cell.obstacle_pose(*id).is_some());
+        let obstacles = cell.obstacles().zip(ids).map(|((name, geometry, pose), id)| Obstacle {
             name: name.into(),
             geometry: geometry.clone(),
             pose: *pose,
-            poses: world.obstacle_motion(id).cloned(),
+            poses: cell.obstacle_motion(id).cloned(),
         });
-        let attached = world.attached().map(|(_, object)| {
+        let attached = cell.attached().map(|(_, object)| {
             let body = AttachedBody {
                 name: object.name.clone(),
                 geometry: object.geometry.clone(),
@@ -134,23 +134,23 @@ impl Cell {
             (object.link.clone(), body)
         });
         let mut excluded: Vec<[BodyName; 2]> = Vec::new();
-        let whole = world.excluded_names();
+        let whole = cell.excluded_names();
         excluded.extend(whole.iter().map(|pair| pair.map(BodyName::from)));
-        let is_single = |pair: &[WorldId; 2]| {
-            let mut pair = pair.map(|id| world.name(id));
+        let is_single = |pair: &[CellBody; 2]| {
+            let mut pair = pair.map(|id| cell.name(id));
             pair.sort_unstable();
             whole.binary_search(&pair).is_err()
         };
-        let single = world.excluded().filter(is_single);
+        let single = cell.excluded().filter(is_single);
         excluded.extend(single.map(|pair| pair.map(|id| names.of(id))));
-        let margins = world
+        let margins = cell
             .margins()
             .map(|(pair, margin)| ([pair.a, pair.b].map(|id| names.of(id)), margin));
         Self {
             obstacles: obstacles.collect(),
             attached: attached.collect(),
-            margin: Some(world.margin()),
-            paddings: world.paddings().map(|(id, padding)| (names.of(id), padding)).collect(),
+            margin: Some(cell.margin()),
+            paddings: cell.paddings().map(|(id, padding)| (names.of(id), padding)).collect(),
             margins: margins.collect(),
             excluded,
             excludes_exactly: true,
@@ -350,12 +350,12 @@ fn shape(geometry: &Geometry) -> ShapeText<'_> {
 }
 
 /// The names of the bodies of a world.
-struct Names(BTreeMap<WorldId, BodyName>);
+struct Names(BTreeMap<CellBody, BodyName>);
 
 impl Names {
-    fn new(world: &World) -> Self {
-        let mut of_name: BTreeMap<&str, Vec<WorldId>> = BTreeMap::new();
-        for (id, name) in world.bodies() {
+    fn new(cell: &Cell) -> Self {
+        let mut of_name: BTreeMap<&str, Vec<CellBody>> = BTreeMap::new();
+        for (id, name) in cell.bodies() {
             of_name.entry(name).or_default().push(id);
         }
         let each = of_name.into_iter().flat_map(|(name, ids)| {
@@ -370,7 +370,7 @@ impl Names {
         Self(each.collect())
     }
 
-    fn of(&self, id: WorldId) -> BodyName {
+    fn of(&self, id: CellBody) -> BodyName {
         self.0.get(&id).cloned().unwrap_or_else(|| "".into())
     }
 }

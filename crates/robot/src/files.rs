@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
 
-use crate::cell::Cell;
+use crate::cell::CellFile;
 use crate::cell_body::AttachedBody;
 use crate::error::{FileError, FileErrorKind};
 use crate::options::LoadOptions;
@@ -38,7 +38,7 @@ pub struct RobotFiles {
     pub srdf: Option<PathBuf>,
     /// Further robots in the same cell.
     pub others: Vec<OtherRobot>,
-    /// The obstacles, as JSON or SDFormat: see [`Cell`].
+    /// The obstacles, as JSON or SDFormat: see [`CellFile`].
     pub cell: Option<PathBuf>,
     /// Folders of `package://` paths.
     pub packages: Packages,
@@ -158,7 +158,7 @@ impl RobotFiles {
             }
         }
         if let Some(file) = &self.cell {
-            setup.cell(&Cell::load(file, &self.packages, &self.options)?);
+            setup.cell(&CellFile::load(file, &self.packages, &self.options)?);
         }
         for (link, file) in &self.attached {
             setup.attach(link, AttachedBody::load(file, &self.packages, &self.options)?);

@@ -3,7 +3,7 @@
 //! ```
 //! use lin_canny::nalgebra::Isometry3;
 //! use lin_canny_robot::plan::JointMotion;
-//! use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory};
+//! use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory};
 //!
 //! let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
 //! let packages = Packages::default().with_environment();
@@ -14,7 +14,7 @@
 //! setup.robot("", &robot, Isometry3::identity());
 //! setup.exclude_adjacent();
 //! setup.exclude_srdf("", &Srdf::load(format!("{folder}/gripper.srdf"), &robot)?);
-//! setup.cell(&Cell::load(format!("{folder}/cell.json"), &packages, &options)?);
+//! setup.cell(&CellFile::load(format!("{folder}/cell.json"), &packages, &options)?);
 //!
 //! let motion = Trajectory::load(format!("{folder}/carry.csv"), setup.coordinates())?;
 //! let mut checker = setup.checker()?;
@@ -30,10 +30,10 @@
 //! | set the folders of `package://` paths | [`Packages`] |
 //! | exclude pairs of links, from an SRDF or random configurations | [`Srdf`], [`find_excludable`] |
 //! | use the groups and named states of an SRDF | [`Srdf::groups`], [`Srdf::state`] |
-//! | load obstacles from JSON or SDFormat | [`Cell`] |
-//! | save the world of a checker, and load it again | [`Cell::from_world`], [`Cell::save`] |
+//! | load obstacles from JSON or SDFormat | [`CellFile`] |
+//! | save the world of a checker, and load it again | [`CellFile::from_world`], [`CellFile::save`] |
 //! | load all files of robots and their cell in one call | [`RobotFiles`], [`OtherRobot`] |
-//! | obstacles that move on the clock of a trajectory | [`Cell`] with `poses`, [`Setup::moving_obstacle`] |
+//! | obstacles that move on the clock of a trajectory | [`CellFile`] with `poses`, [`Setup::moving_obstacle`] |
 //! | put robots and obstacles into one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
 //! | read configurations from CSV | [`Trajectory`] |
 //! | read trajectories with times and velocities from CSV, or from the JSON or YAML of ROS | [`Trajectory::load_timed`], [`Trajectory::curves`] |
@@ -94,7 +94,7 @@
 //!   collides, the body is at rest. Pairs of two bodies without joints above them are not checked.
 //! * Geoms with `contype` and `conaffinity` of zero are visuals, unless an element `pair` names
 //!   them. The bits, `exclude`, `pair` and the flag `filterparent` decide which pairs are checked:
-//!   see [`Robot::excluded`] and [`Robot::adjacent`]. Masks of a `Cell` and a second robot change
+//!   see [`Robot::excluded`] and [`Robot::adjacent`]. Masks of a `CellFile` and a second robot change
 //!   nothing: all those pairs are checked. A flag that switches contacts off changes nothing, and
 //!   is listed in [`Robot::skipped`].
 //! * A mesh is used as its hull, as in MuJoCo, or as [`LoadOptions::meshes`] says. Meshes are STL,
@@ -143,7 +143,7 @@
 //!   link with two parent joints.
 //! * All pairs of links of a model are checked, although `self_collide` is false by default.
 //!   `collide_bitmask` and `category_bitmask` exclude pairs of bodies: see [`Robot::excluded`].
-//! * A `plane` of a [`Cell`], or of a link that no joint moves, is a half-space; in a setup it is
+//! * A `plane` of a [`CellFile`], or of a link that no joint moves, is a half-space; in a setup it is
 //!   an obstacle. A plane that moves is a box of the size [`LoadOptions::plane_extent`] below the
 //!   plane. A `polyline` is an exact prism. `heightmap`, `image`, a geometry of several polylines,
 //!   and a `submesh` of a COLLADA file are errors.
@@ -219,7 +219,7 @@ mod xml;
 mod yaml;
 
 pub use audit::{AuditCell, AuditVerdict, LinkAudit, audit, audit_cells, audit_pair};
-pub use cell::{BodyName, Cell, Obstacle};
+pub use cell::{BodyName, CellFile, Obstacle};
 pub use cell_body::AttachedBody;
 pub use cover::{LinkCover, LinkCoverError, cover_links, json_of_balls, urdf_of_balls};
 pub use error::{FileError, FileErrorKind, Skipped};

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lin_canny::GeometryKind;
 
-use crate::cell::Cell;
+use crate::cell::CellFile;
 use crate::error::{FileError, FileErrorKind};
 use crate::geometry::Solid;
 use crate::options::LoadOptions;
@@ -82,7 +82,7 @@ impl Robot {
     }
 }
 
-impl Cell {
+impl CellFile {
     /// Returns the cell of a JSON or SDFormat file.
     ///
     /// # Errors

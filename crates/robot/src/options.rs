@@ -45,7 +45,7 @@ pub struct LoadOptions {
     /// exist.
     ///
     /// They are listed in [`Robot::skipped`](crate::Robot::skipped) and
-    /// [`Cell::skipped`](crate::Cell::skipped), and nothing is checked against them.
+    /// [`CellFile::skipped`](crate::CellFile::skipped), and nothing is checked against them.
     pub skip_missing_meshes: bool,
     /// Whether points without a return (NaN or infinite) in the file of a cloud are an error. If
     /// not, they are dropped and counted.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{Geometry, PairTracker, RelativePose};
-use lin_canny_plan::{Checker, JointTree, NearPair, WorldId, WorldPair};
+use lin_canny_plan::{CellBody, CellPair, Checker, JointTree, NearPair};
 use lin_canny_record::{Bracket, Recorder, WriteError, is_same};
 
 use crate::error::{FileError, FileErrorKind};
@@ -36,7 +36,7 @@ pub struct RobotRecorder<W: Write = BufWriter<File>> {
     /// The bodies of the recording, by their numbers.
     bodies: Vec<Shown>,
     /// The numbers of the bodies that are shown.
-    numbers: BTreeMap<WorldId, usize>,
+    numbers: BTreeMap<CellBody, usize>,
 }
 
 /// A body of the recording.
@@ -124,11 +124,11 @@ impl<W: Write> RobotRecorder<W> {
     pub fn bracket(
         &mut self,
         checker: &Checker<JointTree>,
-        pair: WorldPair,
+        pair: CellPair,
         [(safe, p), (hit, q)]: &[(f64, Vec<f64>); 2],
     ) -> Result<(), FileError> {
         let poses = |q: &[f64]| {
-            let pose = |id: WorldId| match checker.world().obstacle_pose(id) {
+            let pose = |id: CellBody| match checker.cell().obstacle_pose(id) {
                 Some(pose) => *pose,
                 None => checker.pose(id, q).unwrap_or_default(),
             };
@@ -152,10 +152,10 @@ impl<W: Write> RobotRecorder<W> {
 
     /// Shows the bodies of the checker at their poses, and no others.
     fn follow(&mut self, checker: &Checker<JointTree>, q: &[f64]) -> Result<(), WriteError> {
-        let world = checker.world();
+        let cell = checker.cell();
         let bodies = &self.bodies;
-        let is_shown = |id: WorldId, number: usize| {
-            let geometry = world.geometry(id);
+        let is_shown = |id: CellBody, number: usize| {
+            let geometry = cell.geometry(id);
             geometry.is_some_and(|geometry| is_same(geometry, &bodies[number].geometry))
         };
         let (shown, gone): (BTreeMap<_, _>, BTreeMap<_, _>) = std::mem::take(&mut self.numbers)
@@ -163,10 +163,10 @@ impl<W: Write> RobotRecorder<W> {
             .partition(|(id, number)| is_shown(*id, *number));
         self.numbers = shown;
         let mut gone: Vec<usize> = gone.into_values().collect();
-        for (id, name) in world.bodies() {
-            let Some(geometry) = world.geometry(id) else { continue };
+        for (id, name) in cell.bodies() {
+            let Some(geometry) = cell.geometry(id) else { continue };
             // Poses of a configuration that is invalid are those of no configuration.
-            let pose = match world.obstacle_pose(id).filter(|_| world.obstacle_motion(id).is_none()) {
+            let pose = match cell.obstacle_pose(id).filter(|_| cell.obstacle_motion(id).is_none()) {
                 Some(pose) => *pose,
                 None => checker.pose(id, q).unwrap_or_default(),
             };

@@ -7,10 +7,10 @@ use std::sync::{Arc, OnceLock};
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::{Geometry, GeometryKind};
 use lin_canny_plan::{
-    Checker, Drive, JointKind, JointTree, PairBoxes, PlanError, TimedPoses, TreeJoint, World, WorldId, WorldPair,
+    Cell, CellBody, CellPair, Checker, Drive, JointKind, JointTree, PairBoxes, PlanError, TimedPoses, TreeJoint,
 };
 
-use crate::cell::{BodyName, Cell, Obstacle};
+use crate::cell::{BodyName, CellFile, Obstacle};
 use crate::cell_body::AttachedBody;
 use crate::error::Skipped;
 use crate::geometry::radius;
@@ -59,7 +59,7 @@ pub struct Setup {
     /// Excluded pairs of names, with the reason.
     excluded: BTreeMap<[String; 2], String>,
     /// Pairs of bodies that files exclude.
-    excluded_bodies: BTreeSet<WorldPair>,
+    excluded_bodies: BTreeSet<CellPair>,
     /// Links without bodies, because an SRDF may name them, and skipped obstacles.
     frames: BTreeSet<String>,
     /// Names of links whose frame is not that of their first body, with a body or the link of the
@@ -88,7 +88,7 @@ pub struct Setup {
 struct RobotPart {
     space: JointTree,
     /// The bodies of the robots; pairs of their names are excluded.
-    world: World,
+    cell: Cell,
     /// The names of the bodies.
     names: BTreeSet<String>,
     /// Boxes in which pairs of bodies are apart.
@@ -159,12 +159,12 @@ impl Setup {
             for body in &link.bodies {
                 match self.at_rest[at].filter(|_| body.geometry.kind() == GeometryKind::HalfSpace) {
                     Some(pose) => {
-                        ids.push(WorldId::Obstacle(self.obstacles.len()));
+                        ids.push(CellBody::Obstacle(self.obstacles.len()));
                         self.half_spaces.insert(self.obstacles.len());
                         self.obstacle(named(&link.name), body.geometry.clone(), pose * body.origin);
                     }
                     None => {
-                        ids.push(WorldId::Robot(self.bodies.len() + bodies.len()));
+                        ids.push(CellBody::Robot(self.bodies.len() + bodies.len()));
                         bodies.push(body);
                     }
                 }
@@ -196,7 +196,7 @@ impl Setup {
         }
         let excluded = robot.excluded.iter();
         self.excluded_bodies
-            .extend(excluded.filter_map(|[a, b]| WorldPair::new(ids[*a], ids[*b])));
+            .extend(excluded.filter_map(|[a, b]| CellPair::new(ids[*a], ids[*b])));
         let pairs = robot.adjacent.iter();
         self.adjacent
             .extend(pairs.map(|pair| pair.map(|k| named(&robot.links[k].name))));
@@ -215,14 +215,14 @@ impl Setup {
         self.obstacles.push((name.into(), geometry.into(), pose));
     }
 
-    /// Adds an obstacle that moves: see [`World::add_moving_obstacle`].
+    /// Adds an obstacle that moves: see [`Cell::add_moving_obstacle`].
     pub fn moving_obstacle(&mut self, name: impl Into<String>, geometry: impl Into<Geometry>, poses: TimedPoses) {
         let first = poses.poses()[0];
         self.motions.insert(self.obstacles.len(), poses);
         self.obstacle(name, geometry, first);
     }
 
-    /// Attaches an object to a link: see [`World::attach`].
+    /// Attaches an object to a link: see [`Cell::attach`].
     ///
     /// If the link or a touch link does not exist, [`checker`](Self::checker) returns an error.
     pub fn attach(&mut self, link: impl Into<String>, object: AttachedBody) {
@@ -231,7 +231,7 @@ impl Setup {
     }
 
     /// Sets the padding of a link, an obstacle or an attached object, in the unit of the files: see
-    /// [`World::pad`].
+    /// [`Cell::pad`].
     ///
     /// If the name does not exist or the padding is negative, [`checker`](Self::checker) returns an
     /// error.
@@ -242,10 +242,10 @@ impl Setup {
 
     /// Adds the obstacles and attached objects of a cell, excludes its pairs, and sets its margins.
     ///
-    /// If the cell [excludes exactly](Cell::excludes_exactly) its pairs, pairs that were excluded
+    /// If the cell [excludes exactly](CellFile::excludes_exactly) its pairs, pairs that were excluded
     /// before this call are not excluded any more. An obstacle that equals a half-space of a robot
     /// of this setup is not added again.
-    pub fn cell(&mut self, cell: &Cell) {
+    pub fn cell(&mut self, cell: &CellFile) {
         let added = cell.obstacles.iter().filter(|obstacle| !self.has_half_space(obstacle));
         for obstacle in added.collect::<Vec<_>>() {
             let (name, geometry) = (&obstacle.name, obstacle.geometry.clone());
@@ -265,7 +265,7 @@ impl Setup {
     }
 
     /// Excludes the pairs of a cell and sets its margins.
-    fn pairs_and_margins_of(&mut self, cell: &Cell) {
+    fn pairs_and_margins_of(&mut self, cell: &CellFile) {
         if cell.excludes_exactly {
             self.shared = Arc::default();
             self.excluded.clear();
@@ -435,7 +435,7 @@ impl Setup {
 
     /// Returns the checker of all robots among the obstacles.
     ///
-    /// Objects can be [attached](World::attach) to every link by its name, also to links without
+    /// Objects can be [attached](Cell::attach) to every link by its name, also to links without
     /// bodies: in the space of the checker, bodies without geometry come last, one for the frame of
     /// each link that is not the frame of a body.
     ///
@@ -444,37 +444,37 @@ impl Setup {
     /// excluded pair, of a padding or of an attached object does not exist.
     pub fn checker(&self) -> Result<Checker<JointTree>, PlanError> {
         let shared = self.robot_part()?;
-        let mut world = shared.world.clone();
+        let mut cell = shared.cell.clone();
         for (k, (name, geometry, pose)) in self.obstacles.iter().enumerate() {
             match self.motions.get(&k) {
-                Some(poses) => world.add_moving_obstacle(name, geometry.clone(), poses.clone())?,
-                None => world.add_obstacle(name, geometry.clone(), *pose)?,
+                Some(poses) => cell.add_moving_obstacle(name, geometry.clone(), poses.clone())?,
+                None => cell.add_obstacle(name, geometry.clone(), *pose)?,
             };
         }
-        let is_at_rest = |pair: WorldPair| match (pair.a, pair.b) {
-            (WorldId::Robot(a), WorldId::Obstacle(b)) => {
+        let is_at_rest = |pair: CellPair| match (pair.a, pair.b) {
+            (CellBody::Robot(a), CellBody::Obstacle(b)) => {
                 self.half_spaces.contains(&b) && self.at_rest[self.bodies[a].link].is_some()
             }
             _ => false,
         };
         if !(self.excluded_bodies.is_empty() && self.half_spaces.is_empty()) {
-            world.exclude_if(|pair| self.excluded_bodies.contains(&pair) || is_at_rest(pair));
+            cell.exclude_if(|pair| self.excluded_bodies.contains(&pair) || is_at_rest(pair));
         }
         for (link, object) in &self.attached {
             let touch: Vec<&str> = object.touch_links.iter().map(String::as_str).collect();
-            world.attach(link, &object.name, object.geometry.clone(), object.pose, &touch)?;
+            cell.attach(link, &object.name, object.geometry.clone(), object.pose, &touch)?;
         }
-        world.set_margin(self.margin.unwrap_or(world.margin()))?;
+        cell.set_margin(self.margin.unwrap_or(cell.margin()))?;
         let has_names = !(self.paddings.is_empty() && self.margins.is_empty() && self.excluded_single.is_empty());
-        let named = NamedBodies::new(has_names.then_some(&world));
+        let named = NamedBodies::new(has_names.then_some(&cell));
         for (name, padding) in &self.paddings {
-            for id in named.select(&world, name)? {
-                world.pad(id, *padding)?;
+            for id in named.select(&cell, name)? {
+                cell.pad(id, *padding)?;
             }
         }
         for ([a, b], margin) in &self.margins {
-            for (a, b) in named.pairs(&world, a, b)? {
-                world.set_pair_margin(a, b, Some(*margin))?;
+            for (a, b) in named.pairs(&cell, a, b)? {
+                cell.set_pair_margin(a, b, Some(*margin))?;
             }
         }
         let is_frame = |name: &String| self.frames.contains(name) && !self.has_body(name);
@@ -484,14 +484,14 @@ impl Setup {
         let is_shared = |pair: &[String; 2]| is_of_robots(pair) && !pair.iter().any(|name| others.contains(name));
         let excluded = self.excluded.keys().filter(|pair| !is_shared(pair));
         for [a, b] in excluded.filter(|pair| !pair.iter().any(is_frame)) {
-            world.exclude(a, b)?;
+            cell.exclude(a, b)?;
         }
         for [a, b] in &self.excluded_single {
-            for (a, b) in named.pairs(&world, a, b)? {
-                world.exclude(a, b)?;
+            for (a, b) in named.pairs(&cell, a, b)? {
+                cell.exclude(a, b)?;
             }
         }
-        let mut checker = Checker::new(shared.space.clone(), world)?;
+        let mut checker = Checker::new(shared.space.clone(), cell)?;
         if let Some(boxes) = shared.pair_boxes.get() {
             checker.set_pair_boxes(boxes)?;
         }
@@ -507,12 +507,12 @@ impl Setup {
     /// # Errors
     /// Returns an error as [`checker`](Self::checker) and [`PairBoxes::search`] do.
     pub fn prepare_pairs(&self, boxes: u64) -> Result<&PairBoxes, PlanError> {
-        let world = self.checker()?.world().without_obstacles();
+        let cell = self.checker()?.cell().without_obstacles();
         let shared = self.robot_part()?;
         if let Some(known) = shared.pair_boxes.get() {
             return Ok(known);
         }
-        let found = PairBoxes::search(&mut Checker::new(shared.space.clone(), world)?, boxes, &mut |_| {
+        let found = PairBoxes::search(&mut Checker::new(shared.space.clone(), cell)?, boxes, &mut |_| {
             ControlFlow::Continue(())
         })?;
         Ok(shared.pair_boxes.get_or_init(|| found))
@@ -523,20 +523,20 @@ impl Setup {
         if let Some(known) = self.shared.get() {
             return Ok(known);
         }
-        let mut world = World::new();
+        let mut cell = Cell::new();
         for body in &self.bodies {
-            world.robot_body(&body.name, body.geometry.clone());
+            cell.robot_body(&body.name, body.geometry.clone());
         }
         for (name, frame) in &self.link_frames {
             match *frame {
-                LinkFrame::Body(body) => world.body_frame(name, body),
-                LinkFrame::Link(_) => world.bare_frame(name),
+                LinkFrame::Body(body) => cell.body_frame(name, body),
+                LinkFrame::Link(_) => cell.bare_frame(name),
             }
         }
         let names: BTreeSet<String> = self.bodies.iter().map(|body| body.name.clone()).collect();
         let is_of_bodies = |pair: &&[String; 2]| pair.iter().all(|name| names.contains(name));
         for [a, b] in self.excluded.keys().filter(is_of_bodies) {
-            world.exclude(a, b)?;
+            cell.exclude(a, b)?;
         }
         let bare = self.link_frames.iter().filter_map(|(_, frame)| match frame {
             LinkFrame::Link(link) => Some(*link),
@@ -547,7 +547,7 @@ impl Setup {
         let pair_boxes = OnceLock::new();
         Ok(self.shared.get_or_init(|| RobotPart {
             space,
-            world,
+            cell,
             names,
             pair_boxes,
         }))
@@ -564,23 +564,23 @@ impl Srdf {
 }
 
 /// The bodies of a world by their names: a saved world may have a pair of names for each two bodies.
-struct NamedBodies(BTreeMap<String, Vec<WorldId>>);
+struct NamedBodies(BTreeMap<String, Vec<CellBody>>);
 
 impl NamedBodies {
     /// Returns the bodies of a world, or none.
-    fn new(world: Option<&World>) -> Self {
-        let mut named: BTreeMap<String, Vec<WorldId>> = BTreeMap::new();
-        for (id, name) in world.into_iter().flat_map(World::bodies) {
+    fn new(cell: Option<&Cell>) -> Self {
+        let mut named: BTreeMap<String, Vec<CellBody>> = BTreeMap::new();
+        for (id, name) in cell.into_iter().flat_map(Cell::bodies) {
             named.entry(name.to_owned()).or_default().push(id);
         }
         Self(named)
     }
 
     /// Returns the bodies that a name of a cell stands for.
-    fn select(&self, world: &World, body: &BodyName) -> Result<Vec<WorldId>, PlanError> {
+    fn select(&self, cell: &Cell, body: &BodyName) -> Result<Vec<CellBody>, PlanError> {
         let Some(found) = self.0.get(&body.name) else {
             // The error says why.
-            return world.select(&body.name);
+            return cell.select(&body.name);
         };
         match body.index {
             None => Ok(found.clone()),
@@ -595,8 +595,8 @@ impl NamedBodies {
     }
 
     /// Returns all pairs of a body of `a` and a body of `b`.
-    fn pairs(&self, world: &World, a: &BodyName, b: &BodyName) -> Result<Vec<(WorldId, WorldId)>, PlanError> {
-        let (first, second) = (self.select(world, a)?, self.select(world, b)?);
+    fn pairs(&self, cell: &Cell, a: &BodyName, b: &BodyName) -> Result<Vec<(CellBody, CellBody)>, PlanError> {
+        let (first, second) = (self.select(cell, a)?, self.select(cell, b)?);
         let each = first.iter().flat_map(|a| second.iter().map(move |b| (*a, *b)));
         Ok(each.collect())
     }

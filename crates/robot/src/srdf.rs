@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use lin_canny_plan::{World, nearest_name as nearest};
+use lin_canny_plan::{Cell, nearest_name as nearest};
 use lin_canny_record::escaped;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
@@ -172,8 +172,8 @@ impl Srdf {
     /// Returns the SRDF of the links of a robot all of whose pairs are excluded in a world, for one
     /// reason. The pairs of links and obstacles are left out.
     #[must_use]
-    pub fn from_world(world: &World, prefix: &str, robot: &Robot, reason: &str) -> Self {
-        let pairs = world.excluded_names().into_iter();
+    pub fn from_world(cell: &Cell, prefix: &str, robot: &Robot, reason: &str) -> Self {
+        let pairs = cell.excluded_names().into_iter();
         Self::from_pairs(pairs.map(|pair| (pair, reason)), prefix, robot)
     }
 

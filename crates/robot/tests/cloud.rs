@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, PairTracker, RelativePose, Shape};
-use lin_canny_plan::{Checker, JointMotion, JointTree, Verdict, WorldId};
+use lin_canny_plan::{CellBody, Checker, JointMotion, JointTree, Verdict};
 use lin_canny_robot::RobotFiles;
 use truth::rng::Rng;
 
@@ -66,27 +66,27 @@ fn checker(holder: &Holder, points: &[[f32; 3]]) -> Checker<JointTree> {
     let mut checker = setup.checker().expect("a checker");
     let cloud = Cloud::from_f32(points, CloudElement::Ball(RADIUS)).expect("points");
     checker
-        .world_mut()
+        .cell_mut()
         .add_obstacle("camera", cloud, Isometry3::identity())
         .expect("an obstacle");
     let part = solids::cuboid(Vector3::new(0.03, 0.03, 0.06)).expect("a box");
     let at = Isometry3::translation(0.0, 0.0, 0.14);
     checker
-        .world_mut()
+        .cell_mut()
         .attach(holder.hand, "part", part, at, holder.touching)
         .expect("a link");
-    checker.world_mut().exclude(holder.base, "camera").expect("both");
-    let own: Vec<WorldId> = checker.world().bodies().map(|b| b.0).filter(is_own).collect();
+    checker.cell_mut().exclude(holder.base, "camera").expect("both");
+    let own: Vec<CellBody> = checker.cell().bodies().map(|b| b.0).filter(is_own).collect();
     for (k, a) in own.iter().enumerate() {
         for b in &own[k + 1..] {
-            checker.world_mut().exclude(*a, *b).expect("both");
+            checker.cell_mut().exclude(*a, *b).expect("both");
         }
     }
     checker
 }
 
-fn is_own(id: &WorldId) -> bool {
-    !matches!(id, WorldId::Obstacle(_))
+fn is_own(id: &CellBody) -> bool {
+    !matches!(id, CellBody::Obstacle(_))
 }
 
 fn configuration(rng: &mut Rng, limits: &[[f64; 2]]) -> Vec<f64> {
@@ -100,9 +100,9 @@ fn limits(holder: &Holder) -> Vec<[f64; 2]> {
 }
 
 /// Returns bounds of the distance of a body from the balls, over all points; of an overlap any.
-fn over_all_points(checker: &Checker<JointTree>, id: WorldId, q: &[f64], points: &[[f32; 3]]) -> [f64; 2] {
+fn over_all_points(checker: &Checker<JointTree>, id: CellBody, q: &[f64], points: &[[f32; 3]]) -> [f64; 2] {
     let (geometry, at) = (
-        checker.world().geometry(id).expect("a body"),
+        checker.cell().geometry(id).expect("a body"),
         checker.pose(id, q).expect("a pose"),
     );
     let (centre, reach) = geometry.bounding_ball();
@@ -161,7 +161,7 @@ fn judge_motions(holder: &Holder, points: usize, step: f64, [count, places]: [us
     let points = camera(points);
     let (mut checker, mut other) = (checker(holder, &points), checker(holder, &points));
     let limits = limits(holder);
-    let own: Vec<WorldId> = checker
+    let own: Vec<CellBody> = checker
         .nearest(&configuration(&mut Rng::new(1), &limits), f64::INFINITY)
         .expect("a configuration")
         .iter()

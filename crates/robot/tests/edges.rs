@@ -7,7 +7,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion,
 use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, Mesh, Shape};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, TreeJoint, Verdict, World, WorldId,
+    Cell, CellBody, Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, TreeJoint, Verdict,
 };
 use lin_canny_robot::RobotFiles;
 use truth::rng::Rng;
@@ -45,7 +45,7 @@ fn add_obstacles(checker: &mut Checker<JointTree>, size: f64, rng: &mut Rng) {
         };
         let at = random_isometry(rng, 6.0 * size);
         checker
-            .world_mut()
+            .cell_mut()
             .add_obstacle(format!("obstacle {k}"), geometry, at)
             .expect("an obstacle");
     }
@@ -76,7 +76,7 @@ fn by_program(rng: &mut Rng, size: f64, seed: u64) -> Checker<JointTree> {
         }
     };
     let joints: Vec<TreeJoint> = (0..count).map(|k| joint(k, rng)).collect();
-    let mut world = World::new();
+    let mut cell = Cell::new();
     for k in 0..count {
         let half = Vector3::from_fn(|_, _| size * rng.range(0.03, 0.15));
         let hull = || solids::random_hull(20, half, seed + k as u64).expect("a hull");
@@ -87,15 +87,15 @@ fn by_program(rng: &mut Rng, size: f64, seed: u64) -> Checker<JointTree> {
             3 => Mesh::from_convex(&hull()).expect("a mesh").into(),
             _ => hull().into(),
         };
-        world.robot_body(format!("body {k}"), body);
+        cell.robot_body(format!("body {k}"), body);
     }
-    world.exclude_if(|pair| match (pair.a, pair.b) {
-        (WorldId::Robot(a), WorldId::Robot(b)) => joints[b].parent == a + 1,
+    cell.exclude_if(|pair| match (pair.a, pair.b) {
+        (CellBody::Robot(a), CellBody::Robot(b)) => joints[b].parent == a + 1,
         _ => false,
     });
     let (limits, radii) = (vec![[-2.5, 2.5]; coordinates], vec![0.3 * size; count + 1]);
     let tree = JointTree::new(Isometry3::identity(), joints, limits, (1..=count).collect(), radii);
-    let mut checker = Checker::new(tree.expect("a tree"), world).expect("a robot");
+    let mut checker = Checker::new(tree.expect("a tree"), cell).expect("a robot");
     add_obstacles(&mut checker, 0.2 * size, rng);
     checker
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion};
 use lin_canny::{ConvexPolyhedron, GeometryKind, PairTracker, RelativePose};
 use lin_canny_robot::{
-    Cell, FileError, FileErrorKind, LoadOptions, MeshUse, MotionKind, Packages, Robot, Srdf, Trajectory,
+    CellFile, FileError, FileErrorKind, LoadOptions, MeshUse, MotionKind, Packages, Robot, Srdf, Trajectory,
 };
 
 /// A folder of the examples.
@@ -509,7 +509,7 @@ fn solid(urdf: &str, json: &str) -> Vec<Result<lin_canny::Geometry, FileError>> 
         "<robot name=\"r\"><link name=\"b\">\n<collision><geometry>{urdf}</geometry></collision></link></robot>"
     ));
     let text = format!("{{\"bodies\": [{{\"name\": \"b\", {json}}}]}}");
-    let cell = Cell::parse(&text, "cell.json", &Packages::default(), &LoadOptions::default());
+    let cell = CellFile::parse(&text, "cell.json", &Packages::default(), &LoadOptions::default());
     vec![
         robot.map(|robot| robot.links()[0].bodies[0].geometry.clone()),
         cell.map(|cell| cell.obstacles[0].geometry.clone()),
@@ -740,7 +740,7 @@ fn empty_files_and_pointers_get_a_message_of_their_own() {
         let errors = [
             parse(text).err(),
             Srdf::parse(text, "r.srdf", &robot).err(),
-            Cell::parse(text, "cell.json", &packages, &LoadOptions::default()).err(),
+            CellFile::parse(text, "cell.json", &packages, &LoadOptions::default()).err(),
             Trajectory::parse(text, "q.csv", robot.coordinates()).err(),
         ];
         for error in errors {

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::BoxHint;
-use lin_canny_robot::plan::{RangeOptions, WorldId};
+use lin_canny_robot::plan::{CellBody, RangeOptions};
 use lin_canny_robot::{AuditVerdict, Coordinate, LoadOptions, MotionKind, Packages, Robot, Setup, audit};
 
 fn parse(text: &str) -> Result<Robot, lin_canny_robot::FileError> {
@@ -155,12 +155,12 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
         let space = setup.space().expect("a space");
         let checker = setup.checker().expect("a checker");
         // A plane is an obstacle.
-        let obstacles: Vec<Isometry3<f64>> = checker.world().obstacles().map(|o| *o.2).collect();
+        let obstacles: Vec<Isometry3<f64>> = checker.cell().obstacles().map(|o| *o.2).collect();
         let (mut of_robot, mut of_obstacles) = (0.., 0..);
-        let ids: Vec<WorldId> = (order.iter())
+        let ids: Vec<CellBody> = (order.iter())
             .map(|&geom| match geoms[geom]["type"].as_i64() {
-                Some(0) => of_obstacles.next().map(WorldId::Obstacle).expect("an obstacle"),
-                _ => of_robot.next().map(WorldId::Robot).expect("a body"),
+                Some(0) => of_obstacles.next().map(CellBody::Obstacle).expect("an obstacle"),
+                _ => of_robot.next().map(CellBody::Robot).expect("a body"),
             })
             .collect();
         assert_eq!(of_obstacles.next(), Some(obstacles.len()), "{name}");
@@ -181,14 +181,14 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
             }
             for (k, &geom) in order.iter().enumerate() {
                 let found = match ids[k] {
-                    WorldId::Robot(body) => space.link_pose(&q, space.links()[body]).expect("a pose"),
-                    WorldId::Obstacle(obstacle) => obstacles[obstacle],
-                    WorldId::Attached(_) => unreachable!("nothing is attached"),
+                    CellBody::Robot(body) => space.link_pose(&q, space.links()[body]).expect("a pose"),
+                    CellBody::Obstacle(obstacle) => obstacles[obstacle],
+                    CellBody::Attached(_) => unreachable!("nothing is attached"),
                 };
                 let geom = &geoms[geom];
                 let body = geom["body"].as_u64().expect("an index") as usize;
-                let world = pose(&numbers(&configuration["poses"][body]));
-                let (kind, expected) = (geom["type"].as_i64(), world * pose(&numbers(&geom["pose"])));
+                let cell = pose(&numbers(&configuration["poses"][body]));
+                let (kind, expected) = (geom["type"].as_i64(), cell * pose(&numbers(&geom["pose"])));
                 poses += 1;
                 // The frame of a height field is at its first corner.
                 let corner = match kind {
@@ -243,7 +243,7 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
             .map(numbers)
             .map(|pair| (pair[0] as usize, pair[1] as usize))
             .collect();
-        let excluded: BTreeSet<[WorldId; 2]> = checker.world().excluded().collect();
+        let excluded: BTreeSet<[CellBody; 2]> = checker.cell().excluded().collect();
         for a in 0..order.len() {
             for b in a + 1..order.len() {
                 let (x, y) = (order[a].min(order[b]), order[a].max(order[b]));

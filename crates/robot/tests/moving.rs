@@ -4,9 +4,9 @@ use lin_canny_plan::JointMotion;
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny_robot::plan::{Checker, JointCurve, JointTree, Verdict, WorldId};
+use lin_canny_robot::plan::{CellBody, Checker, JointCurve, JointTree, Verdict};
 use lin_canny_robot::{
-    Cell, FileError, LoadOptions, OtherRobot, Packages, Robot, RobotFiles, RobotRecorder, Setup, Trajectory,
+    CellFile, FileError, LoadOptions, OtherRobot, Packages, Robot, RobotFiles, RobotRecorder, Setup, Trajectory,
 };
 use truth::rng::Rng;
 
@@ -24,19 +24,19 @@ fn scratch(name: &str, text: &str) -> PathBuf {
     file
 }
 
-fn cell(text: &str) -> Result<Cell, FileError> {
+fn cell(text: &str) -> Result<CellFile, FileError> {
     let path = scratch("cell.json", text);
-    Cell::load(path, &Packages::default(), &LoadOptions::default())
+    CellFile::load(path, &Packages::default(), &LoadOptions::default())
 }
 
 /// A cell with a box whose poses are these.
-fn with_poses(poses: &str) -> Result<Cell, FileError> {
+fn with_poses(poses: &str) -> Result<CellFile, FileError> {
     cell(&format!(
         r#"{{"bodies": [{{"name": "cart", "box": {{"size": [1, 1, 1]}}, {poses}}}]}}"#
     ))
 }
 
-fn checker(cell: &Cell) -> Checker<JointTree> {
+fn checker(cell: &CellFile) -> Checker<JointTree> {
     let robot = Robot::load(examples().join("gripper.urdf"), &Packages::default()).expect("a robot");
     let mut setup = Setup::new();
     setup.robot("", &robot, Isometry3::identity());
@@ -167,10 +167,10 @@ fn cells_with_poses_are_saved_bit_for_bit() {
     )
     .expect("a cell");
     let mut one = checker(&first);
-    let saved = Cell::from_world(one.world()).to_json().expect("a text");
+    let saved = CellFile::from_world(one.cell()).to_json().expect("a text");
     let again = cell(&saved).expect("a cell");
     assert_eq!(
-        Cell::from_world(checker(&again).world()).to_json().expect("a text"),
+        CellFile::from_world(checker(&again).cell()).to_json().expect("a text"),
         saved
     );
     for (a, b) in first.obstacles.iter().zip(&again.obstacles) {
@@ -248,7 +248,7 @@ fn two_robots_exchange_places() {
     let names: Vec<&str> = setup.coordinates().iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["x", "y", "b_x", "b_y"]);
     let mut checker = setup.checker().expect("a checker");
-    let names: Vec<&str> = checker.world().bodies().map(|b| b.1).collect();
+    let names: Vec<&str> = checker.cell().bodies().map(|b| b.1).collect();
     assert_eq!(names, ["base", "top", "b_base", "b_top"]);
     // Adjacent links of each robot are excluded; four pairs of both robots are left.
     assert_eq!(checker.work().pairs_made, 4);
@@ -367,7 +367,7 @@ fn judged(count: usize, places: u32, seed: u64) -> Counts {
     let poses = format!(r#""poses": {{"file": "between{seed}.csv"}}"#);
     let text = format!(r#"{{"bodies": [{{"name": "cart", "box": {{"size": [0.3, 0.2, 0.3]}}, {poses}}}]}}"#);
     let path = scratch(&format!("between{seed}.json"), &text);
-    setup.cell(&Cell::load(path, &Packages::default(), &LoadOptions::default()).expect("a cell"));
+    setup.cell(&CellFile::load(path, &Packages::default(), &LoadOptions::default()).expect("a cell"));
     let (mut checker, mut judge) = (setup.checker().expect("a checker"), setup.checker().expect("a checker"));
     let (mut rng, mut counts) = (Rng::new(seed), Counts::default());
     let size = setup.coordinates().len();
@@ -436,12 +436,12 @@ fn hundreds_of_trajectories_of_two_arms_are_as_the_verdict_says() {
 #[test]
 fn a_cell_of_the_examples_moves() {
     let (packages, options) = (Packages::default(), LoadOptions::default());
-    let crossing = Cell::load(examples().join("crossing.json"), &packages, &options).expect("a cell");
+    let crossing = CellFile::load(examples().join("crossing.json"), &packages, &options).expect("a cell");
     let checker = checker(&crossing);
-    let crate_ = checker.world().select("crate").expect("a body");
-    assert_eq!(crate_, [WorldId::Obstacle(2)]);
+    let crate_ = checker.cell().select("crate").expect("a body");
+    assert_eq!(crate_, [CellBody::Obstacle(2)]);
     assert_eq!(
-        checker.world().obstacle_motion(crate_[0]).expect("poses").times().len(),
+        checker.cell().obstacle_motion(crate_[0]).expect("poses").times().len(),
         5
     );
 }

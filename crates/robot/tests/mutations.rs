@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_plan::ConfigurationSpace;
-use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory};
+use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -148,7 +148,7 @@ fn changed_cells_srdfs_and_trajectories_never_panic() {
             }
         }
         let changed = mutated(&cell, &mut random);
-        read[0] += usize::from(Cell::parse(&changed, &path, &Packages::default(), &LoadOptions::default()).is_ok());
+        read[0] += usize::from(CellFile::parse(&changed, &path, &Packages::default(), &LoadOptions::default()).is_ok());
         read[1] += usize::from(Srdf::parse(&mutated(&srdf, &mut random), &path, &robot).is_ok());
         if let Ok(trajectory) = Trajectory::parse(&mutated(&rows, &mut random), &path, robot.coordinates()) {
             read[2] += 1;

@@ -298,7 +298,7 @@ fn hungry_points() -> Vec<Vec<u8>> {
 /// names.
 fn hungry_robots() -> Vec<Vec<u8>> {
     let mjcf = |inside: &str| format!("m<mujoco>{inside}</mujoco>");
-    let world = |inside: &str| mjcf(&format!("<worldbody>{inside}</worldbody>"));
+    let cell = |inside: &str| mjcf(&format!("<worldbody>{inside}</worldbody>"));
     let copies = |count: usize, inside: &str| format!("<replicate count='{count}'>{inside}</replicate>");
     let field = |size: usize, heights: &str| {
         format!(
@@ -326,23 +326,23 @@ fn hungry_robots() -> Vec<Vec<u8>> {
         .map(|k| format!("<frame name='{k}'><pose relative_to='{}'/></frame>", k - 1))
         .collect();
     let texts = [
-        world(&copies(1_000_000_000, "")),
-        world(&copies(4_000, &ball("contype='0'"))),
-        world(&copies(1_200, &ball("conaffinity='0'"))),
-        world(&copies(4_000, &ball(""))),
-        world(&copies(4_900, "<geom size='1 1 1' type='box'/>")),
-        world(&copies(100, &copies(100, &copies(100, "<geom size='1'/>")))),
-        world(&copies(5_000, &"<site/>".repeat(2_000))),
-        world(&copies(5_000, "<body><joint type='slide' pos='0 0 1'/></body>")),
-        world(&format!("<replicate count='9000' sep='{long}'><body/></replicate>")),
-        world(&format!(
+        cell(&copies(1_000_000_000, "")),
+        cell(&copies(4_000, &ball("contype='0'"))),
+        cell(&copies(1_200, &ball("conaffinity='0'"))),
+        cell(&copies(4_000, &ball(""))),
+        cell(&copies(4_900, "<geom size='1 1 1' type='box'/>")),
+        cell(&copies(100, &copies(100, &copies(100, "<geom size='1'/>")))),
+        cell(&copies(5_000, &"<site/>".repeat(2_000))),
+        cell(&copies(5_000, "<body><joint type='slide' pos='0 0 1'/></body>")),
+        cell(&format!("<replicate count='9000' sep='{long}'><body/></replicate>")),
+        cell(&format!(
             "<replicate count='2000' sep='{}'><body><freejoint/></body></replicate>",
             "s".repeat(240)
         )),
-        world(&format!("<body name='{long}'>{}</body>", "<site/>".repeat(2_000))),
-        world(&format!("<body name='{long}'>{}</body>", "<site/>x".repeat(2_000))),
-        world(&"<body/>".repeat(4_000)),
-        world(&"<geom size='1'/>".repeat(5_100)),
+        cell(&format!("<body name='{long}'>{}</body>", "<site/>".repeat(2_000))),
+        cell(&format!("<body name='{long}'>{}</body>", "<site/>x".repeat(2_000))),
+        cell(&"<body/>".repeat(4_000)),
+        cell(&"<geom size='1'/>".repeat(5_100)),
         mjcf(&"<size/>".repeat(4_000)),
         mjcf(&field(1_000, "")),
         mjcf(&field(300, &elevation(300))),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{Geometry, GeometryKind, MeshKind, PairTracker, RelativePose, Shape};
-use lin_canny_robot::{AttachedBody, Cell, LoadOptions, Packages, RobotFiles};
+use lin_canny_robot::{AttachedBody, CellFile, LoadOptions, Packages, RobotFiles};
 
 fn folder() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scene");
@@ -30,9 +30,9 @@ fn npy(shape: &str, values: &[f64]) -> Vec<u8> {
 }
 
 /// Returns the cell with one body, or the text of the error.
-fn cell(body: &str) -> Result<Cell, String> {
+fn cell(body: &str) -> Result<CellFile, String> {
     let text = format!("{{\"bodies\": [{{\"name\": \"x\", {body}}}]}}");
-    let found = Cell::parse(
+    let found = CellFile::parse(
         &text,
         folder().join("cell.json"),
         &Packages::default(),
@@ -77,7 +77,7 @@ fn clouds_are_points_of_a_file_or_a_list() {
     let boxes = body(r#""cloud": {"points": [[0, 0, 0], [1, 0, 0]], "box": {"size": [0.2, 0.4, 0.6]}}"#);
     is(distance(&boxes, [1.0, 1.0, 0.0]), 0.7);
     is(distance(&boxes, [1.0, 0.0, 1.0]), 0.6);
-    let kept = Cell::parse(
+    let kept = CellFile::parse(
         r#"{"bodies": [{"name": "x", "cloud": {"file": "row.xyz", "radius": 0.1}}]}"#,
         folder().join("cell.json"),
         &Packages::default(),
@@ -219,7 +219,7 @@ fn objects_are_attached_padded_and_excluded_by_name() {
     );
     let mut checker = setup.checker().expect("a checker");
     let near = checker.nearest(&home, f64::INFINITY).expect("pairs");
-    let names = |pair: &lin_canny_robot::plan::WorldPair| [pair.a, pair.b].map(|id| checker.name(id).to_owned());
+    let names = |pair: &lin_canny_robot::plan::CellPair| [pair.a, pair.b].map(|id| checker.name(id).to_owned());
     let before = near
         .iter()
         .find(|n| names(&n.pair).contains(&"rod".into()) && names(&n.pair).contains(&"ball".into()));

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use lin_canny_plan::{ConfigurationSpace, WorldId};
-use lin_canny_robot::{Cell, FileError, FileErrorKind, LoadOptions, MotionKind, Packages, Robot, Setup};
+use lin_canny_plan::{CellBody, ConfigurationSpace};
+use lin_canny_robot::{CellFile, FileError, FileErrorKind, LoadOptions, MotionKind, Packages, Robot, Setup};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -16,8 +16,8 @@ fn parse(text: &str) -> Result<Robot, FileError> {
     Robot::parse(text, "r.sdf", &Packages::default(), &LoadOptions::default())
 }
 
-fn cell(text: &str) -> Result<Cell, FileError> {
-    Cell::parse(text, "r.sdf", &Packages::default(), &LoadOptions::default())
+fn cell(text: &str) -> Result<CellFile, FileError> {
+    CellFile::parse(text, "r.sdf", &Packages::default(), &LoadOptions::default())
 }
 
 /// A file of a version with one model `m`.
@@ -800,7 +800,7 @@ fn what_is_left_out_is_listed_with_its_line() {
             "{skipped}"
         );
         let path = folder.join("r.sdf");
-        let cell = Cell::parse(&text, path, &Packages::default(), &LoadOptions::default()).expect("a cell");
+        let cell = CellFile::parse(&text, path, &Packages::default(), &LoadOptions::default()).expect("a cell");
         assert_eq!(cell.skipped, robot.skipped());
         let mut setup = Setup::new();
         setup.cell(&cell);
@@ -818,7 +818,7 @@ fn what_is_left_out_is_listed_with_its_line() {
     let options = LoadOptions::default().skip_missing_meshes(true);
     let robot = Robot::parse(&text, folder.join("r.sdf"), &Packages::default(), &options).expect("a robot");
     assert_eq!(robot.skipped().len(), 1);
-    assert!(Cell::parse(&text, folder.join("r.sdf"), &Packages::default(), &options).is_err());
+    assert!(CellFile::parse(&text, folder.join("r.sdf"), &Packages::default(), &options).is_err());
 }
 
 /// Every name of a frame, link or joint that does not exist is an error with a near name.
@@ -1261,25 +1261,25 @@ fn a_plane_of_a_robot_is_a_half_space_unless_it_moves() {
         Isometry3::translation(1e6, 0.0, 0.0),
     );
     let mut checker = first.checker().expect("a checker");
-    let (name, _, pose) = checker.world().obstacles().next().expect("an obstacle");
+    let (name, _, pose) = checker.cell().obstacles().next().expect("an obstacle");
     assert_eq!((name, pose.translation.vector), ("r/a", Vector3::new(1e6, -1e6, 10.5)));
     // The ceiling is at a height of 1 above the link, whose box b has a half side of 0.5.
     let near = checker.nearest(&[0.25], f64::INFINITY).expect("pairs");
     let to_plane = near
         .iter()
-        .find(|near| near.pair.b == WorldId::Obstacle(0))
+        .find(|near| near.pair.b == CellBody::Obstacle(0))
         .expect("the pair");
     assert_eq!(checker.name(to_plane.pair.a), "r/b");
     assert!((to_plane.distance - 0.25).abs() < 1e-8, "{}", to_plane.distance);
-    let rest = near.iter().filter(|near| near.pair.b == WorldId::Obstacle(0)).count();
+    let rest = near.iter().filter(|near| near.pair.b == CellBody::Obstacle(0)).count();
     assert_eq!(rest, 1, "the box of the link a is at rest as well");
 
     // Saved with the world, the plane is not added a second time.
-    let text = Cell::from_world(checker.world()).to_json().expect("a cell");
+    let text = CellFile::from_world(checker.cell()).to_json().expect("a cell");
     let mut again = setup();
     again.cell(&cell(&text).expect("a cell"));
     let mut again = again.checker().expect("a checker");
-    assert_eq!(again.world().obstacles().len(), 2);
+    assert_eq!(again.cell().obstacles().len(), 2);
     assert_eq!(again.nearest(&[0.25], f64::INFINITY).expect("pairs"), near);
 
     let floating = parse(&world(&format!("<model name=\"m\">{ceiling}</model>"))).unwrap_or_else(|e| panic!("{e}"));
@@ -2118,7 +2118,7 @@ fn the_example_is_a_robot_and_a_cell() {
     // Both fingers close by the value of one.
     q[2] = -0.0151;
     assert!(checker.is_free_at(&q).is_err() || !checker.is_free_at(&q).expect("an answer"));
-    let cell = Cell::load(example(), &Packages::default(), &LoadOptions::default()).expect("a cell");
+    let cell = CellFile::load(example(), &Packages::default(), &LoadOptions::default()).expect("a cell");
     let names: Vec<&str> = cell.obstacles.iter().map(|o| o.name.as_str()).collect();
     assert_eq!(
         names,
@@ -2132,7 +2132,8 @@ fn the_example_is_a_robot_and_a_cell() {
             "part::block"
         ]
     );
-    let error = Cell::parse("<robot/>", "c.sdf", &Packages::default(), &LoadOptions::default()).expect_err("a URDF");
+    let error =
+        CellFile::parse("<robot/>", "c.sdf", &Packages::default(), &LoadOptions::default()).expect_err("a URDF");
     assert!(error.to_string().contains("(expected sdf)"), "{error}");
 }
 
@@ -2217,7 +2218,7 @@ fn changed_files_never_panic() {
             }
         }
         let path = folder.join("r.sdf");
-        let _ = Cell::parse(&changed, path, &Packages::default(), &LoadOptions::default());
+        let _ = CellFile::parse(&changed, path, &Packages::default(), &LoadOptions::default());
     }
     assert!(read > 500 && with_line > 2000, "{read} read, {with_line} with a line");
 }
@@ -2239,7 +2240,7 @@ fn poses_are_those_of_another_reader() {
     assert!(!files.is_empty());
     for path in files {
         let robot = Robot::load(&path, &Packages::default()).unwrap_or_else(|e| panic!("{e}"));
-        let cell = Cell::load(&path, &Packages::default(), &LoadOptions::default()).expect("a cell");
+        let cell = CellFile::load(&path, &Packages::default(), &LoadOptions::default()).expect("a cell");
         let start = poses_at(&robot, robot.start());
         let frames = frames_at(&robot);
         let text = std::fs::read_to_string(path.with_extension("txt")).expect("the output");

@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::{PairTracker, Progress, RelativePose};
 use lin_canny_plan::{ConfigurationSpace, Joint, JointKind, JointMotion, JointTree, SegmentMotion, Verdict};
 use lin_canny_robot::{
-    Cell, ExcludeReason, LoadOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_excludable,
+    CellFile, ExcludeReason, LoadOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_excludable,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -28,7 +28,7 @@ fn setup(robot: &Robot) -> Setup {
         "",
         &Srdf::load(examples().join("gripper.srdf"), robot).expect("the example"),
     );
-    let cell = Cell::load(
+    let cell = CellFile::load(
         examples().join("cell.json"),
         &Packages::default(),
         &LoadOptions::default(),
@@ -221,7 +221,7 @@ impl Judge {
                 names.push(link.name.clone());
             }
         }
-        let cell = Cell::load(
+        let cell = CellFile::load(
             examples().join("cell.json"),
             &Packages::default(),
             &LoadOptions::default(),
@@ -354,7 +354,7 @@ fn excludable_pairs_are_counted_and_written() {
 fn obstacles_turn_by_quaternions_of_every_length() {
     let cell = |xyzw: &str| {
         let text = format!("{{\"bodies\": [{{\"name\": \"x\", \"sphere\": {{\"radius\": 1}}, \"xyzw\": {xyzw}}}]}}");
-        Cell::parse(&text, "cell.json", &Packages::default(), &LoadOptions::default())
+        CellFile::parse(&text, "cell.json", &Packages::default(), &LoadOptions::default())
     };
     for xyzw in ["[0, 0, 1, 1]", "[0, 0, 1e-300, 1e-300]", "[0, 0, 1e200, 1e200]"] {
         let turn = cell(xyzw).expect(xyzw).obstacles[0].pose.rotation;
@@ -575,14 +575,14 @@ fn objects_are_attached_to_links_whose_bodies_have_other_frames() {
     let mut checker = setup.checker().expect("a setup");
     assert_eq!(
         setup.space().expect("a space").bodies(),
-        checker.world().robot_bodies().len()
+        checker.cell().robot_bodies().len()
     );
     let mut random = ChaCha8Rng::seed_from_u64(5);
     let grip = Isometry3::translation(0.0, 0.0, 0.12);
     let fingers = ["left finger", "right finger"];
     let part = lin_canny::Shape::ball(0.02).expect("a ball");
     let id = checker
-        .world_mut()
+        .cell_mut()
         .attach("gripper", "part", part, grip, &fingers)
         .expect("a part");
     for _ in 0..20 {
@@ -598,7 +598,7 @@ fn objects_are_attached_to_links_whose_bodies_have_other_frames() {
         names.retain(|name| fingers.contains(name) || *name == "gripper");
         assert_eq!(names, [""; 0]);
     }
-    let error = checker.world_mut().attach(
+    let error = checker.cell_mut().attach(
         "griper",
         "part",
         lin_canny::Shape::ball(0.1).expect("a ball"),
@@ -624,8 +624,8 @@ fn excluded_pairs_are_written_as_an_srdf_and_read_again() {
     after.robot("r/", &robot, Isometry3::identity());
     after.exclude_srdf("r/", &read);
     let [a, b] = [before, after].map(|setup| setup.checker().expect("a setup"));
-    assert!(a.world().excluded().eq(b.world().excluded()));
-    let of_world = Srdf::from_world(a.world(), "r/", &robot, "User");
+    assert!(a.cell().excluded().eq(b.cell().excluded()));
+    let of_world = Srdf::from_world(a.cell(), "r/", &robot, "User");
     assert_eq!(of_world.excluded.len(), srdf.excluded.len());
 }
 
@@ -642,7 +642,7 @@ fn checkers_of_one_setup_share_the_robot() {
     };
     let excluded = |setup: &Setup| {
         let checker = setup.checker().expect("a setup");
-        let names = checker.world().excluded_names();
+        let names = checker.cell().excluded_names();
         names.iter().map(|pair| pair.map(str::to_owned)).collect::<Vec<_>>()
     };
     let base = of_robot();
@@ -658,10 +658,10 @@ fn checkers_of_one_setup_share_the_robot() {
             setup.obstacle(name, ball.clone(), far);
         }
         let [cell, fresh] = [&cell, &fresh].map(|setup| setup.checker().expect("a setup"));
-        assert!(cell.world().excluded().eq(fresh.world().excluded()), "{name}");
-        let count = cell.world().excluded().len();
+        assert!(cell.cell().excluded().eq(fresh.cell().excluded()), "{name}");
+        let count = cell.cell().excluded().len();
         assert_eq!(
-            count > base.checker().expect("a setup").world().excluded().len(),
+            count > base.checker().expect("a setup").cell().excluded().len(),
             name == link
         );
     }
@@ -681,9 +681,6 @@ fn checkers_of_one_setup_share_the_robot() {
     changed.widen_limits(0.25);
     assert_eq!(width(&changed), before + 0.5);
     changed.robot("b_", &robot, far);
-    let bodies = changed.checker().expect("a setup").world().robot_bodies().len();
-    assert_eq!(
-        bodies,
-        2 * base.checker().expect("a setup").world().robot_bodies().len()
-    );
+    let bodies = changed.checker().expect("a setup").cell().robot_bodies().len();
+    assert_eq!(bodies, 2 * base.checker().expect("a setup").cell().robot_bodies().len());
 }

@@ -72,7 +72,7 @@ fn forty_bodies_stand_about_six_axes() -> Result<(), Trouble> {
     let (robot, setup) = files.load()?;
     assert_eq!((robot.coordinates().len(), robot.links().len()), (6, 7));
     let mut checker = setup.checker()?;
-    assert_eq!(checker.world().obstacles().len(), 40);
+    assert_eq!(checker.cell().obstacles().len(), 40);
     let near = checker.clearance(&[0.0; 6])?.ok_or("no pair")?;
     assert!(near.lower > 0.0, "upright, the arm is free: {near:?}");
     Ok(())

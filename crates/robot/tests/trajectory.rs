@@ -4,7 +4,7 @@
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_plan::JointMotion;
 use lin_canny_robot::plan::{SmoothOptions, Smoother};
-use lin_canny_robot::{Cell, FileError, LoadOptions, Packages, Robot, Setup, Trajectory};
+use lin_canny_robot::{CellFile, FileError, LoadOptions, Packages, Robot, Setup, Trajectory};
 
 fn robot() -> Robot {
     let joint = |name: &str, parent: &str| {
@@ -327,7 +327,7 @@ fn smooth_motions_are_read_back_bit_for_bit_and_proven() {
     let mut setup = Setup::new();
     setup.robot("", &robot, Isometry3::identity());
     setup.exclude_adjacent();
-    setup.cell(&Cell::load(folder.join("cell.json"), &packages, &LoadOptions::default()).expect("a cell"));
+    setup.cell(&CellFile::load(folder.join("cell.json"), &packages, &LoadOptions::default()).expect("a cell"));
     let mut checker = setup.checker().expect("a checker");
     let mut rng = truth::rng::Rng::new(3);
     let mut stops = 0;

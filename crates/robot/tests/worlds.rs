@@ -9,9 +9,9 @@ use lin_canny_robot::lin_canny::polyhedron::solids;
 use lin_canny_robot::lin_canny::{
     Cloud, CloudElement, Compound, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Piece, Shape,
 };
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, World, WorldId};
+use lin_canny_robot::plan::{Cell, CellBody, Checker, ConfigurationSpace, JointTree};
 use lin_canny_robot::record::{Cursor, Recording};
-use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, RobotRecorder, Setup};
+use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, RobotRecorder, Setup};
 use truth::rng::Rng;
 
 /// An arm of three links, of which one has two bodies, and a tool without bodies.
@@ -42,14 +42,14 @@ fn setup() -> Setup {
     setup
 }
 
-fn parse(text: &str) -> Result<Cell, String> {
-    let found = Cell::parse(text, "cell.json", &Packages::default(), &LoadOptions::default());
+fn parse(text: &str) -> Result<CellFile, String> {
+    let found = CellFile::parse(text, "cell.json", &Packages::default(), &LoadOptions::default());
     found.map_err(|error| error.to_string())
 }
 
 /// The checker of a world that was saved and loaded.
-fn reloaded(world: &World) -> Checker<JointTree> {
-    let text = Cell::from_world(world).to_json().expect("a world");
+fn reloaded(cell: &Cell) -> Checker<JointTree> {
+    let text = CellFile::from_world(cell).to_json().expect("a world");
     let mut setup = setup();
     setup.cell(&parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}")));
     setup.checker().unwrap_or_else(|error| panic!("{error}\n{text}"))
@@ -120,41 +120,41 @@ fn change(checker: &mut Checker<JointTree>, rng: &mut Rng) {
         let _ = checker.detach_at(name, &q);
         return;
     }
-    let mut world = checker.world_mut();
+    let mut cell = checker.cell_mut();
     for _ in 0..*rng.pick(&[1, 1, 1, 3]) {
-        change_world(&mut world, rng);
+        change_world(&mut cell, rng);
     }
 }
 
-fn change_world(world: &mut World, rng: &mut Rng) {
+fn change_world(cell: &mut Cell, rng: &mut Rng) {
     let names = ["a", "b", "c", "upper", "fore", "hand", "tool", "nobody"];
     let name = *rng.pick(&names[..4]);
     let [one, two] = [*rng.pick(&names), *rng.pick(&names)];
-    let all: Vec<WorldId> = world.bodies().map(|b| b.0).collect();
+    let all: Vec<CellBody> = cell.bodies().map(|b| b.0).collect();
     let [id, other] = [*rng.pick(&all), *rng.pick(&all)];
     let link = *rng.pick(&names[3..]);
     let _ = match rng.below(14) {
-        0 | 1 => world
+        0 | 1 => cell
             .add_obstacle(name, geometry(rng, false), pose(rng, 1.6))
             .map(|_| ()),
-        2 => world.move_obstacle(name, pose(rng, 1.6)).map(|_| ()),
-        3 => world.move_obstacle(id, pose(rng, 1.6)).map(|_| ()),
-        4 => world.replace_obstacle(id, geometry(rng, false)).map(|_| ()),
-        5 => world
+        2 => cell.move_obstacle(name, pose(rng, 1.6)).map(|_| ()),
+        3 => cell.move_obstacle(id, pose(rng, 1.6)).map(|_| ()),
+        4 => cell.replace_obstacle(id, geometry(rng, false)).map(|_| ()),
+        5 => cell
             .remove_obstacle(if rng.below(4) == 0 { name } else { "c" })
             .map(|_| ()),
-        6 => world
+        6 => cell
             .attach(link, name, geometry(rng, true), pose(rng, 0.2), &[one])
             .map(|_| ()),
-        7 => world.detach(name).map(|_| ()),
-        8 => world.set_margin(*rng.pick(&[0.0, 0.02])),
-        9 => world.pad(one, *rng.pick(&[0.0, 0.01, 0.2])).map(|_| ()),
-        10 => world.pad(id, 0.03).map(|_| ()),
-        11 => world
+        7 => cell.detach(name).map(|_| ()),
+        8 => cell.set_margin(*rng.pick(&[0.0, 0.02])),
+        9 => cell.pad(one, *rng.pick(&[0.0, 0.01, 0.2])).map(|_| ()),
+        10 => cell.pad(id, 0.03).map(|_| ()),
+        11 => cell
             .set_pair_margin(one, id, *rng.pick(&[None, Some(0.0), Some(0.05)]))
             .map(|_| ()),
-        12 => world.exclude(one, two).and(world.exclude(id, other)).map(|_| ()),
-        _ => world.include(one, id).map(|_| ()),
+        12 => cell.exclude(one, two).and(cell.exclude(id, other)).map(|_| ()),
+        _ => cell.include(one, id).map(|_| ()),
     };
 }
 
@@ -171,8 +171,8 @@ fn ask(checker: &mut Checker<JointTree>, question: usize, q: &[f64], p: &[f64]) 
 }
 
 /// Returns a text with the ids of one world replaced by those of the same bodies of another.
-fn renamed(text: &str, from: &World, to: &World) -> String {
-    let ids = |world: &World| -> Vec<String> { world.bodies().map(|b| format!("{:?}", b.0)).collect() };
+fn renamed(text: &str, from: &Cell, to: &Cell) -> String {
+    let ids = |cell: &Cell| -> Vec<String> { cell.bodies().map(|b| format!("{:?}", b.0)).collect() };
     let pairs: Vec<_> = ids(from).into_iter().zip(ids(to)).collect();
     let (mut found, mut rest) = (String::new(), text);
     while !rest.is_empty() {
@@ -194,10 +194,10 @@ fn judge(sequences: usize, changes: usize, seed: u64) {
     for k in 0..sequences {
         let mut rng = Rng::new(seed + k as u64);
         let mut checker = setup().checker().expect("a checker");
-        checker.world_mut().set_margin(0.02).expect("a margin");
+        checker.cell_mut().set_margin(0.02).expect("a margin");
         for step in 0..changes {
             change(&mut checker, &mut rng);
-            let mut loaded = reloaded(checker.world());
+            let mut loaded = reloaded(checker.cell());
             let q = sample(&mut rng);
             let by = [0; 3].map(|_| rng.range(-0.3, 0.3));
             let p = checker.space().moved(&q, &by);
@@ -205,14 +205,14 @@ fn judge(sequences: usize, changes: usize, seed: u64) {
                 checker.forget();
                 loaded.forget();
                 let expected = ask(&mut checker, question, &q, &p);
-                let told = renamed(&ask(&mut loaded, question, &q, &p), loaded.world(), checker.world());
+                let told = renamed(&ask(&mut loaded, question, &q, &p), loaded.cell(), checker.cell());
                 assert_eq!(told, expected, "{k} {step} {question}");
                 free += usize::from(told == "Ok(true)");
             }
             // A world without removed bodies is the same in full.
-            let again = reloaded(loaded.world());
-            assert_eq!(format!("{:?}", again.world()), format!("{:?}", loaded.world()));
-            removed += usize::from(format!("{:?}", checker.world()) != format!("{:?}", loaded.world()));
+            let again = reloaded(loaded.cell());
+            assert_eq!(format!("{:?}", again.cell()), format!("{:?}", loaded.cell()));
+            removed += usize::from(format!("{:?}", checker.cell()) != format!("{:?}", loaded.cell()));
             if rng.below(4) == 0 {
                 checker = loaded;
             }
@@ -249,19 +249,19 @@ fn solids_have_their_names_in_the_file() {
         ("e", Mesh::from_convex(&block).expect("a mesh").into()),
     ] {
         checker
-            .world_mut()
+            .cell_mut()
             .add_obstacle(name, geometry, at)
             .expect("an obstacle");
     }
-    checker.world_mut().pad("e", 0.01).expect("a padding");
-    checker.world_mut().pad("a", 0.02).expect("a padding");
-    checker.world_mut().include("upper", "fore").expect("links");
-    checker.world_mut().exclude("hand", "e").expect("bodies");
+    checker.cell_mut().pad("e", 0.01).expect("a padding");
+    checker.cell_mut().pad("a", 0.02).expect("a padding");
+    checker.cell_mut().include("upper", "fore").expect("links");
+    checker.cell_mut().exclude("hand", "e").expect("bodies");
     checker
-        .world_mut()
-        .exclude(WorldId::Robot(1), WorldId::Obstacle(0))
+        .cell_mut()
+        .exclude(CellBody::Robot(1), CellBody::Obstacle(0))
         .expect("bodies");
-    let text = Cell::from_world(checker.world()).to_json().expect("a world");
+    let text = CellFile::from_world(checker.cell()).to_json().expect("a world");
     for part in [
         r#"{"name":"a","box":{"size":[0.2,0.4,0.6]},"xyz":[0.0,0.0,2.0],"xyzw":[0.0,0.0,0.0,1.0]}"#,
         r#""sphere":{"radius":0.1}"#,
@@ -278,8 +278,8 @@ fn solids_have_their_names_in_the_file() {
     }
     assert!(!text.contains(r#"["fore","upper"]"#), "{text}");
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("saved.json");
-    Cell::from_world(checker.world()).save(&file).expect("a file");
-    let cell = Cell::load(&file, &Packages::default(), &LoadOptions::default()).expect("a cell");
+    CellFile::from_world(checker.cell()).save(&file).expect("a file");
+    let cell = CellFile::load(&file, &Packages::default(), &LoadOptions::default()).expect("a cell");
     assert_eq!(cell.to_json().expect("a cell"), text);
 }
 
@@ -338,16 +338,16 @@ fn wrong_worlds_are_named() {
         );
     }
     let mut checker = checker(r#""margin": 0.1"#).expect("a checker");
-    assert_eq!(checker.world().margin(), 0.1);
+    assert_eq!(checker.cell().margin(), 0.1);
     checker
-        .world_mut()
+        .cell_mut()
         .add_obstacle(
             "x",
             Shape::ball(1.0).expect("a ball"),
             Isometry3::translation(0.0, 9.0, 0.0),
         )
         .expect("a ball");
-    let mut cell = Cell::from_world(checker.world());
+    let mut cell = CellFile::from_world(checker.cell());
     cell.obstacles[2].pose.translation.x = f64::NAN;
     let error = cell.to_json().err().map(|error| error.to_string()).unwrap_or_default();
     assert!(error.starts_with("cell.json: \"x\": "), "{error}");
@@ -360,11 +360,11 @@ fn a_recording_shows_the_world_as_it_is_in_each_frame() {
     let at = |x: f64| Isometry3::translation(x, 0.0, 2.0);
     let ball = Geometry::from(Shape::ball(0.1).expect("a ball"));
     checker
-        .world_mut()
+        .cell_mut()
         .add_obstacle("part", ball.clone(), at(0.0))
         .expect("an obstacle");
     checker
-        .world_mut()
+        .cell_mut()
         .add_obstacle("post", ball.clone(), at(1.0))
         .expect("an obstacle");
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("changes.jsonl");
@@ -375,21 +375,21 @@ fn a_recording_shows_the_world_as_it_is_in_each_frame() {
     };
     frame(&mut checker);
     // The part stays the same body when a link takes it and puts it down.
-    checker.world_mut().remove_obstacle("part").expect("a part");
+    checker.cell_mut().remove_obstacle("part").expect("a part");
     checker
-        .world_mut()
+        .cell_mut()
         .attach("tool", "part", ball.clone(), at(0.0), &[])
         .expect("a part");
     frame(&mut checker);
     checker.detach_at("part", &q).expect("a part");
-    checker.world_mut().move_obstacle("post", at(2.0)).expect("a post");
+    checker.cell_mut().move_obstacle("post", at(2.0)).expect("a post");
     frame(&mut checker);
     checker
-        .world_mut()
+        .cell_mut()
         .replace_obstacle("post", Shape::ball(0.2).expect("a ball"))
         .expect("a post");
     frame(&mut checker);
-    checker.world_mut().remove_obstacle("part").expect("a part");
+    checker.cell_mut().remove_obstacle("part").expect("a part");
     frame(&mut checker);
     recorder.finish().expect("a file");
     let recording = Recording::open(&file).expect("a recording");

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use lin_canny_plan::{Checker, JointTree, World};
+use lin_canny_plan::{Checker, JointTree, Cell};
 use lin_canny_robot::{Coordinate, RobotFiles, Setup};
 
 use crate::error::StudyError;
@@ -75,7 +75,7 @@ impl Study {
     pub fn new(setup: Setup, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
         let mut first = setup.checker()?;
         if let Some(margin) = options.margin {
-            first.world_mut().set_margin(margin)?;
+            first.cell_mut().set_margin(margin)?;
         }
         first.set_start_contact_margin(options.start_contact_margin)?;
         Ok(Arc::new(Self {
@@ -136,8 +136,8 @@ impl Study {
     }
 
     /// Returns the bodies of every checker.
-    pub(crate) fn world(&self) -> &World {
-        self.first.world()
+    pub(crate) fn cell(&self) -> &Cell {
+        self.first.cell()
     }
 
     pub(crate) fn count(&self, rows: usize) {
@@ -160,7 +160,7 @@ fn fingerprint(setup: &Setup, checker: &Checker<JointTree>, options: StudyOption
     // No text contains this byte.
     hasher.update(space.as_bytes()).update(&[0xff]);
     // The whole world: bodies, frames, excluded pairs, margins and paddings.
-    serde_json::to_writer(&mut hasher, checker.world())?;
+    serde_json::to_writer(&mut hasher, checker.cell())?;
     Ok(hasher.finalize().to_hex()[..16].to_owned())
 }
 
@@ -181,15 +181,15 @@ mod tests {
         };
         let all = [
             of(&|_| Ok(())),
-            of(&|c| c.world_mut().set_pair_margin("base", "gripper", Some(0.01)).map(|_| ())),
-            of(&|c| c.world_mut().set_pair_margin("base", "gripper", Some(0.0)).map(|_| ())),
-            of(&|c| c.world_mut().set_pair_margin("base", "forearm", Some(0.01)).map(|_| ())),
-            of(&|c| c.world_mut().pad("gripper", 0.01).map(|_| ())),
-            of(&|c| c.world_mut().exclude("base", "gripper").map(|_| ())),
-            of(&|c| c.world_mut().set_margin(0.01)),
+            of(&|c| c.cell_mut().set_pair_margin("base", "gripper", Some(0.01)).map(|_| ())),
+            of(&|c| c.cell_mut().set_pair_margin("base", "gripper", Some(0.0)).map(|_| ())),
+            of(&|c| c.cell_mut().set_pair_margin("base", "forearm", Some(0.01)).map(|_| ())),
+            of(&|c| c.cell_mut().pad("gripper", 0.01).map(|_| ())),
+            of(&|c| c.cell_mut().exclude("base", "gripper").map(|_| ())),
+            of(&|c| c.cell_mut().set_margin(0.01)),
         ];
         let different: std::collections::BTreeSet<_> = all.iter().collect();
         assert_eq!(different.len(), all.len(), "{all:?}");
-        assert_eq!(all[0], of(&|c| c.world_mut().pad("gripper", 0.0).map(|_| ())));
+        assert_eq!(all[0], of(&|c| c.cell_mut().pad("gripper", 0.0).map(|_| ())));
     }
 }

@@ -2,7 +2,7 @@
 //! a wall.
 
 use crate::forms::mesh;
-use lin_canny_plan::{Joint, JointTree, World};
+use lin_canny_plan::{Cell, Joint, JointTree};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::rng::Rng;
@@ -32,7 +32,7 @@ const LINKS: [[f64; 3]; 7] = [
 ];
 
 /// A robot and its surroundings.
-pub struct Cell {
+pub struct ArmCell {
     /// The links, one body each.
     pub links: Vec<Soup>,
     /// The obstacles.
@@ -53,7 +53,7 @@ fn link(n: usize, [r, low, high]: [f64; 3]) -> Soup {
     turned::turned(n, &profile)
 }
 
-impl Cell {
+impl ArmCell {
     /// Returns a cell whose links have `12 n` triangles each: n = 84 gives a robot of about 7,000.
     pub fn new(n: usize) -> Self {
         let at = Isometry3::translation;
@@ -94,21 +94,21 @@ impl Cell {
     }
 
     /// Returns the cell as the planner's world.
-    pub fn world(&self) -> World {
-        let mut world = World::new();
+    pub fn cell(&self) -> Cell {
+        let mut cell = Cell::new();
         for (k, link) in self.links.iter().enumerate() {
-            world.robot_body(format!("link {k}"), mesh(link));
+            cell.robot_body(format!("link {k}"), mesh(link));
         }
         for (k, (soup, pose)) in self.obstacles.iter().enumerate() {
-            world.add_obstacle(k, mesh(soup), *pose).expect("an obstacle");
+            cell.add_obstacle(k, mesh(soup), *pose).expect("an obstacle");
         }
         for k in 0..6 {
             let names = [k, k + 1].map(|k| format!("link {k}"));
-            world.exclude(&names[0], &names[1]).expect("names of links");
+            cell.exclude(&names[0], &names[1]).expect("names of links");
         }
         // The base rests on the table.
-        world.exclude("link 0", "0").expect("names");
-        world
+        cell.exclude("link 0", "0").expect("names");
+        cell
     }
 
     /// Returns a random configuration within the limits.

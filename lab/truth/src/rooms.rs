@@ -3,7 +3,7 @@
 
 use lin_canny::ConvexPolyhedron;
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{RigidSpace, World};
+use lin_canny_plan::{Cell, RigidSpace};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::casts::{rotation, solid};
@@ -39,13 +39,13 @@ impl Room {
     }
 
     /// Returns the room as the planner's world.
-    pub fn world(&self) -> World {
-        let mut world = World::new();
-        world.robot_body("robot", self.robot.clone());
+    pub fn cell(&self) -> Cell {
+        let mut cell = Cell::new();
+        cell.robot_body("robot", self.robot.clone());
         for (k, (hull, pose)) in self.hulls.iter().enumerate() {
-            world.add_obstacle(k, hull.clone(), *pose).expect("an obstacle");
+            cell.add_obstacle(k, hull.clone(), *pose).expect("an obstacle");
         }
-        world
+        cell
     }
 
     /// Returns the space of the robot; configurations may lie up to 2 outside the room.

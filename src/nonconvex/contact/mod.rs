@@ -234,11 +234,11 @@ impl ContactTracker {
     }
 }
 
-/// How many times the error bound of a position counts beside curved pieces, for contacts that are this
-/// many times deeper still.
+/// How many times the error bound of a position counts beside curved pieces, for contacts that are
+/// this many times deeper still.
 ///
-/// The nearest surface point of a curved piece is known to the bounds of a distance, that of a face to
-/// rounding. Not measured.
+/// The nearest surface point of a curved piece is known to the bounds of a distance, that of a face
+/// to rounding. Not measured.
 const CURVED: f64 = 64.0;
 
 /// Returns the contacts that no far shallower overlap explains, each with whether its depth is

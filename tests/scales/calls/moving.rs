@@ -4,7 +4,7 @@ use super::{Scene, bumpy, compound, curved, dented};
 use lin_canny::impact::{Tolerance, cast, cast_within, free_until, overlapping_until};
 use lin_canny::separation::Separation;
 use lin_canny::{PairTracker, Tracker};
-use lin_canny_plan::{Checker, JointMotion, TranslationSpace, World};
+use lin_canny_plan::{Cell, Checker, JointMotion, TranslationSpace};
 use truth::rng::Rng;
 
 /// Runs every query of a pair of motions.
@@ -58,17 +58,16 @@ pub(super) fn surface_casts(scene: &mut Scene, rng: &mut Rng) {
 
 /// Returns a robot of one body among a few others, and configurations of it.
 fn room(scene: &Scene, rng: &mut Rng) -> (Checker<TranslationSpace>, Vec<[f64; 3]>) {
-    let mut world = World::new();
-    world.robot_body("robot", scene.round(rng, 20));
+    let mut cell = Cell::new();
+    cell.robot_body("robot", scene.round(rng, 20));
     for k in 0..4 {
-        world
-            .add_obstacle(format!("obstacle {k}"), scene.round(rng, 20), scene.place(rng, 4.0))
+        cell.add_obstacle(format!("obstacle {k}"), scene.round(rng, 20), scene.place(rng, 4.0))
             .expect("an obstacle");
     }
     let reach = 4.0 * scene.unit;
     let space = TranslationSpace::new([[-reach, reach]; 3], Default::default(), 1).expect("a space");
     let places = (0..6).map(|_| rng.in_ball().map(|x| 4.0 * x * scene.unit)).collect();
-    (Checker::new(space, world).expect("a checker"), places)
+    (Checker::new(space, cell).expect("a checker"), places)
 }
 
 pub(super) fn clearances(scene: &mut Scene, rng: &mut Rng) {

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 
 use lin_canny_c::*;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, JointCurve, JointMotion, NearPair, Path, PlanMethod, PlanOptions, RigidSpace,
-    Shortcuts, TranslationSpace, Verdict, World, WorldId,
+    Cell, CellBody, Checker, ConfigurationSpace, JointCurve, JointMotion, NearPair, Path, PlanMethod, PlanOptions,
+    RigidSpace, Shortcuts, TranslationSpace, Verdict,
 };
 use lin_canny_robot::RobotFiles;
 
@@ -18,20 +18,20 @@ const EACH: usize = QUERIES / 2 + 1;
 const BOUNDS: [[f64; 2]; 3] = [[-4.0, 4.0]; 3];
 
 /// Returns a world of a body, and a checker of C of the same body.
-fn body(radius: f64) -> (World, lc_checker) {
+fn body(radius: f64) -> (Cell, lc_checker) {
     let all = geometries();
-    let mut world = World::new();
-    world.robot_body("body", all[4].0.clone());
+    let mut cell = Cell::new();
+    cell.robot_body("body", all[4].0.clone());
     // SAFETY: six numbers and a place for a handle.
     let c = written(|out| unsafe { lc_checker_new_body(all[4].1, BOUNDS.as_ptr().cast(), radius, out) });
-    (world, c)
+    (cell, c)
 }
 
 /// Adds an obstacle of nearly every kind to both sides.
 fn add_obstacles<C: ConfigurationSpace>(rust: &mut Checker<C>, c: lc_checker, random: &mut Random) {
     for (k, (geometry, handle)) in geometries().iter().enumerate().take(9) {
         let (pose, name) = (random.pose(3.0), format!("obstacle {k}"));
-        rust.world_mut().add_obstacle(&name, geometry.clone(), pose).unwrap();
+        rust.cell_mut().add_obstacle(&name, geometry.clone(), pose).unwrap();
         let name = CString::new(name).unwrap();
         // SAFETY: a text, a pose and a place for an id.
         written(|out| unsafe { lc_checker_obstacle_add(c, name.as_ptr(), *handle, &of(&pose), out) });
@@ -41,9 +41,9 @@ fn add_obstacles<C: ConfigurationSpace>(rust: &mut Checker<C>, c: lc_checker, ra
 #[test]
 fn a_body_that_moves_has_the_bits_of_rust() {
     let mut random = Random(18);
-    let (world, c) = body(0.0);
+    let (cell, c) = body(0.0);
     let space = TranslationSpace::new(BOUNDS, UnitQuaternion::identity(), 1).unwrap();
-    let mut rust = Checker::new(space, world).unwrap();
+    let mut rust = Checker::new(space, cell).unwrap();
     add_obstacles(&mut rust, c, &mut random);
     let q: Vec<f64> = (0..EACH).flat_map(|_| random.vector(3.9)).collect();
     compare(&mut rust, c, &q, 3);
@@ -54,8 +54,8 @@ fn a_body_that_moves_has_the_bits_of_rust() {
 #[test]
 fn a_body_that_turns_has_the_bits_of_rust() {
     let mut random = Random(12);
-    let (world, c) = body(0.5);
-    let mut rust = Checker::new(RigidSpace::new(BOUNDS, 0.5, 1).unwrap(), world).unwrap();
+    let (cell, c) = body(0.5);
+    let mut rust = Checker::new(RigidSpace::new(BOUNDS, 0.5, 1).unwrap(), cell).unwrap();
     add_obstacles(&mut rust, c, &mut random);
     let q: Vec<f64> = (0..EACH)
         .flat_map(|_| RigidSpace::configuration(&random.pose(3.0)))
@@ -94,11 +94,11 @@ fn a_robot_has_the_bits_of_rust() {
 }
 
 /// Returns the id of a body in C.
-fn number(id: WorldId) -> u64 {
+fn number(id: CellBody) -> u64 {
     match id {
-        WorldId::Robot(k) => 1 << 56 | k as u64,
-        WorldId::Attached(k) => 2 << 56 | k as u64,
-        WorldId::Obstacle(k) => 3 << 56 | k as u64,
+        CellBody::Robot(k) => 1 << 56 | k as u64,
+        CellBody::Attached(k) => 2 << 56 | k as u64,
+        CellBody::Obstacle(k) => 3 << 56 | k as u64,
     }
 }
 
@@ -166,7 +166,7 @@ fn compare<C: ConfigurationSpace + Clone + Sync>(rust: &mut Checker<C>, c: lc_ch
     }
 
     for k in 0..count {
-        let body = WorldId::Robot(k % info.robot_bodies);
+        let body = CellBody::Robot(k % info.robot_bodies);
         let id = lc_world_body { id: number(body) };
         // SAFETY: a configuration and a place for a pose.
         let pose = written(|out| unsafe { lc_checker_pose(c, id, at(k).as_ptr(), n, out) });
@@ -245,7 +245,7 @@ fn compare<C: ConfigurationSpace + Clone + Sync>(rust: &mut Checker<C>, c: lc_ch
 
 /// Returns a checker without state.
 fn fresh<C: ConfigurationSpace + Clone>(rust: &Checker<C>) -> Checker<C> {
-    Checker::new(rust.space().clone(), rust.world().clone()).unwrap()
+    Checker::new(rust.space().clone(), rust.cell().clone()).unwrap()
 }
 
 /// Returns a checker without state.

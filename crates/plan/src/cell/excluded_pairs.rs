@@ -3,12 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::vec::Vec;
 
-use crate::cell::world::World;
+use crate::cell::Cell;
 use crate::error::PlanError;
-use crate::names::{Select, WorldId, WorldPair};
+use crate::names::{CellBody, CellPair, Select};
 
 /// Excluded pairs.
-impl World {
+impl Cell {
     /// Excludes all pairs of a body of `a` and a body of `b`, and returns those that were measured
     /// before.
     ///
@@ -25,7 +25,7 @@ impl World {
         &mut self,
         a: impl Into<Select<'a>>,
         b: impl Into<Select<'a>>,
-    ) -> Result<Vec<WorldPair>, PlanError> {
+    ) -> Result<Vec<CellPair>, PlanError> {
         let mut pairs = self.pairs_of(a.into(), b.into())?;
         pairs.retain(|pair| self.excluded.insert(*pair));
         self.changes.note(|changes| changes.pairs.extend(&pairs));
@@ -42,7 +42,7 @@ impl World {
         &mut self,
         a: impl Into<Select<'a>>,
         b: impl Into<Select<'a>>,
-    ) -> Result<Vec<WorldPair>, PlanError> {
+    ) -> Result<Vec<CellPair>, PlanError> {
         let mut pairs = self.pairs_of(a.into(), b.into())?;
         pairs.retain(|pair| self.excluded.remove(pair));
         self.changes.note(|changes| changes.pairs.extend(&pairs));
@@ -52,20 +52,20 @@ impl World {
     /// Excludes all pairs for which `is_excluded` returns true.
     ///
     /// ```
-    /// # use lin_canny_plan::{World, WorldId};
+    /// # use lin_canny_plan::{Cell, CellBody};
     /// # use lin_canny::{Shape, nalgebra::Isometry3};
-    /// let mut world = World::new();
-    /// let [arm, hand] = ["arm", "hand"].map(|name| world.robot_body(name, Shape::ball(0.1).unwrap()));
-    /// world.add_obstacle("post", Shape::ball(0.2)?, Isometry3::translation(1.0, 0.0, 0.0))?;
+    /// let mut cell = Cell::new();
+    /// let [arm, hand] = ["arm", "hand"].map(|name| cell.robot_body(name, Shape::ball(0.1).unwrap()));
+    /// cell.add_obstacle("post", Shape::ball(0.2)?, Isometry3::translation(1.0, 0.0, 0.0))?;
     /// // The robot is checked against the post only.
-    /// world.exclude_if(|pair| matches!(pair.b, WorldId::Robot(_)));
-    /// assert!(world.excluded().eq([[arm, hand]]));
+    /// cell.exclude_if(|pair| matches!(pair.b, CellBody::Robot(_)));
+    /// assert!(cell.excluded().eq([[arm, hand]]));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn exclude_if(&mut self, is_excluded: impl Fn(WorldPair) -> bool) {
-        let all: Vec<WorldId> = self.bodies().map(|b| b.0).collect();
+    pub fn exclude_if(&mut self, is_excluded: impl Fn(CellPair) -> bool) {
+        let all: Vec<CellBody> = self.bodies().map(|b| b.0).collect();
         for (k, &a) in all.iter().enumerate() {
-            let pairs = all[k + 1..].iter().filter_map(|&b| WorldPair::new(a, b));
+            let pairs = all[k + 1..].iter().filter_map(|&b| CellPair::new(a, b));
             for pair in pairs.filter(|pair| is_excluded(*pair)) {
                 self.excluded.insert(pair);
                 self.changes.note(|changes| changes.pairs.push(pair));
@@ -79,7 +79,7 @@ impl World {
     /// unless they are excluded as well.
     #[doc(alias = "allow")]
     #[doc(alias = "allowed collision matrix")]
-    pub fn excluded(&self) -> impl ExactSizeIterator<Item = [WorldId; 2]> {
+    pub fn excluded(&self) -> impl ExactSizeIterator<Item = [CellBody; 2]> {
         self.excluded.iter().map(|pair| [pair.a, pair.b])
     }
 
@@ -93,7 +93,7 @@ impl World {
             names.sort_unstable();
             *counts.entry(names).or_default() += 1;
         }
-        let mut of_name: BTreeMap<&str, Vec<WorldId>> = BTreeMap::new();
+        let mut of_name: BTreeMap<&str, Vec<CellBody>> = BTreeMap::new();
         for (id, name) in self.bodies() {
             of_name.entry(name).or_default().push(id);
         }
@@ -101,7 +101,7 @@ impl World {
             let pairs = of_name[names[0]]
                 .iter()
                 .flat_map(|a| of_name[names[1]].iter().map(move |b| (*a, *b)));
-            let pairs: BTreeSet<_> = pairs.filter_map(|(a, b)| WorldPair::new(a, b)).collect();
+            let pairs: BTreeSet<_> = pairs.filter_map(|(a, b)| CellPair::new(a, b)).collect();
             pairs.len() == count
         };
         let whole = counts.into_iter().filter(|(names, count)| is_whole(names, *count));

@@ -3,13 +3,13 @@
 
 use std::vec::Vec;
 
-use crate::cell::world::{World, check_length};
+use crate::cell::{Cell, check_length};
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use crate::names::{Select, WorldId, WorldPair};
+use crate::names::{CellBody, CellPair, Select};
 
 /// Margins.
-impl World {
+impl Cell {
     /// Sets the distance that every pair without an explicit margin must keep. The default is 0.
     ///
     /// # Errors
@@ -34,7 +34,7 @@ impl World {
     /// # Errors
     /// Returns an error if the padding is negative or not finite, or if a body does not exist. Then
     /// nothing changes.
-    pub fn pad<'a>(&mut self, bodies: impl Into<Select<'a>>, padding: f64) -> Result<Vec<WorldId>, PlanError> {
+    pub fn pad<'a>(&mut self, bodies: impl Into<Select<'a>>, padding: f64) -> Result<Vec<CellBody>, PlanError> {
         check_length("padding", padding)?;
         let found = self.select(bodies)?;
         for id in &found {
@@ -50,17 +50,17 @@ impl World {
 
     /// Returns the padding of a body.
     #[must_use]
-    pub fn padding(&self, id: WorldId) -> f64 {
+    pub fn padding(&self, id: CellBody) -> f64 {
         self.paddings.get(&id).copied().unwrap_or(0.0)
     }
 
     /// Returns the bodies with a padding above 0, in ascending order.
-    pub fn paddings(&self) -> impl ExactSizeIterator<Item = (WorldId, f64)> {
+    pub fn paddings(&self) -> impl ExactSizeIterator<Item = (CellBody, f64)> {
         self.paddings.iter().map(|(id, padding)| (*id, *padding))
     }
 
     /// Returns the pairs with an explicit margin, in ascending order.
-    pub fn margins(&self) -> impl ExactSizeIterator<Item = (WorldPair, f64)> {
+    pub fn margins(&self) -> impl ExactSizeIterator<Item = (CellPair, f64)> {
         self.margins.iter().map(|(pair, margin)| (*pair, *margin))
     }
 
@@ -75,7 +75,7 @@ impl World {
         a: impl Into<Select<'a>>,
         b: impl Into<Select<'a>>,
         margin: Option<f64>,
-    ) -> Result<Vec<WorldPair>, PlanError> {
+    ) -> Result<Vec<CellPair>, PlanError> {
         check_length("margin of a pair", margin.unwrap_or(0.0))?;
         let pairs = self.pairs_of(a.into(), b.into())?;
         for pair in &pairs {
@@ -90,14 +90,14 @@ impl World {
 
     /// Returns the explicit margin of a pair.
     #[must_use]
-    pub fn pair_margin(&self, pair: WorldPair) -> Option<f64> {
+    pub fn pair_margin(&self, pair: CellPair) -> Option<f64> {
         self.margins.get(&pair).copied()
     }
 
     /// Returns the distance that a pair must keep: its explicit margin, or else the margin of all
     /// pairs, plus the paddings of both bodies.
     #[must_use]
-    pub fn kept_distance(&self, pair: WorldPair) -> f64 {
+    pub fn kept_distance(&self, pair: CellPair) -> f64 {
         let margin = self.pair_margin(pair).unwrap_or(self.margin);
         let pads = [pair.a, pair.b].map(|id| self.padding(id));
         if pads == [0.0; 2] {
@@ -115,7 +115,7 @@ impl World {
         let pads = self
             .paddings
             .iter()
-            .filter(|(id, _)| matches!(id, WorldId::Obstacle(_)));
+            .filter(|(id, _)| matches!(id, CellBody::Obstacle(_)));
         let pad = pads.map(|(_, pad)| *pad).fold(0.0, f64::larger);
         (most + pad, margins().fold(self.margin, f64::smaller))
     }

@@ -11,7 +11,7 @@ use lin_canny::Geometry;
 #[derive(Clone, Default)]
 pub(crate) struct MeshHull(Arc<OnceLock<Option<Geometry>>>);
 
-/// Worlds with equal bodies have equal texts, whichever queries made hulls.
+/// Cells with equal bodies have equal texts, whichever queries made hulls.
 impl fmt::Debug for MeshHull {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("MeshHull")

@@ -9,12 +9,12 @@ use std::vec::Vec;
 
 use crate::extremes::Extremes;
 use crate::motion::space::JointPath;
-use crate::names::WorldPair;
+use crate::names::CellPair;
 use crate::tolerance::CROSSING;
 
 /// The boxes of a pair.
 pub(crate) struct ApartBoxes {
-    pub(crate) pair: WorldPair,
+    pub(crate) pair: CellPair,
     /// The distance that the pair keeps in the boxes.
     pub(crate) kept: f64,
     pub(crate) paths: [Option<JointPath>; 2],

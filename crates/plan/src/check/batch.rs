@@ -6,7 +6,7 @@ use std::vec::Vec;
 use crate::check::checker::Checker;
 use crate::error::PlanError;
 use crate::motion::space::ConfigurationSpace;
-use crate::names::WorldPair;
+use crate::names::CellPair;
 
 /// The closest pairs at many configurations: see [`Checker::nearest_batch`].
 ///
@@ -23,7 +23,7 @@ pub struct NearPairs {
     /// Number of pairs of each row.
     pub counts: Vec<usize>,
     /// The pairs.
-    pub pairs: Vec<Option<WorldPair>>,
+    pub pairs: Vec<Option<CellPair>>,
     /// Signed distances.
     pub distances: Vec<f64>,
     /// Lower bounds of the signed distances.
@@ -99,12 +99,12 @@ impl<C: ConfigurationSpace + Clone + Sync> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::Isometry3;
     /// # use lin_canny::Shape;
-    /// # use lin_canny_plan::{Checker, TranslationSpace, World};
-    /// # let mut world = World::new();
-    /// # world.robot_body("drone", Shape::ball(0.1)?);
-    /// # world.add_obstacle("mast", Shape::ball(0.1)?, Isometry3::identity())?;
+    /// # use lin_canny_plan::{Checker, TranslationSpace, Cell};
+    /// # let mut cell = Cell::new();
+    /// # cell.robot_body("drone", Shape::ball(0.1)?);
+    /// # cell.add_obstacle("mast", Shape::ball(0.1)?, Isometry3::identity())?;
     /// # let space = TranslationSpace::new([[-4.0, 4.0]; 3], Default::default(), 1)?;
-    /// # let checker = Checker::new(space, world)?;
+    /// # let checker = Checker::new(space, cell)?;
     /// let near = checker.nearest_batch(&[1.0, 0.0, 0.0, 0.0, -2.0, 0.0], 1, f64::INFINITY, 2)?;
     /// assert_eq!(near.distances, [0.8, 1.8]);
     /// assert_eq!(near.gradients, [1.0, 0.0, 0.0, 0.0, -1.0, 0.0]);

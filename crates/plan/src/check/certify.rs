@@ -11,7 +11,7 @@ use crate::extremes::Extremes;
 use crate::motion::curve::JointCurve;
 use crate::motion::joint_motion::{JointMotion, PieceRef, Tube};
 use crate::motion::space::{BodyBall, ConfigurationSpace, SegmentMotion};
-use crate::names::WorldPair;
+use crate::names::CellPair;
 use lin_canny::Progress;
 use lin_canny::impact::{Certificate, Impact};
 use lin_canny::separation::Proof;
@@ -22,7 +22,7 @@ use nalgebra::Point3;
 #[non_exhaustive]
 pub struct PairProof {
     /// The pair.
-    pub pair: WorldPair,
+    pub pair: CellPair,
     /// The certificates, in order of time.
     pub certificates: Vec<Certificate>,
 }
@@ -109,18 +109,18 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// use lin_canny_plan::{Checker, Joint, JointCurve, JointMotion, JointTree, World};
+    /// use lin_canny_plan::{Checker, Joint, JointCurve, JointMotion, JointTree, Cell};
     ///
     /// // A block on two rails, x and y.
     /// let origin = Isometry3::identity();
     /// let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
     /// let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
     /// let block = JointTree::serial(origin, rails, vec![2], 0.1)?;
-    /// let mut world = World::new();
-    /// world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
+    /// let mut cell = Cell::new();
+    /// cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
     /// let post = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
-    /// world.add_obstacle("post", post, Isometry3::identity())?;
-    /// let mut checker = Checker::new(block, world)?;
+    /// cell.add_obstacle("post", post, Isometry3::identity())?;
+    /// let mut checker = Checker::new(block, cell)?;
     ///
     /// let around = JointMotion::path(&[[-2.0, 0.0], [0.0, 1.0], [2.0, 0.0]])?;
     /// assert!(checker.certify(&around)?.is_free());
@@ -156,14 +156,14 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{CertifyOptions, Checker, JointMotion, TranslationSpace, World};
+    /// # use lin_canny_plan::{CertifyOptions, Checker, JointMotion, TranslationSpace, Cell};
     /// # let die = solids::cuboid(Vector3::repeat(0.5))?;
-    /// # let mut world = World::new();
-    /// # world.robot_body("die", die.clone());
-    /// # world.add_obstacle("block", die, Isometry3::translation(3.0, 0.0, 0.0))?;
+    /// # let mut cell = Cell::new();
+    /// # cell.robot_body("die", die.clone());
+    /// # cell.add_obstacle("block", die, Isometry3::translation(3.0, 0.0, 0.0))?;
     /// # let bounds = [[-9.0, 9.0]; 3];
     /// # let space = TranslationSpace::new(bounds, UnitQuaternion::identity(), 1)?;
-    /// # let mut checker = Checker::new(space, world)?;
+    /// # let mut checker = Checker::new(space, cell)?;
     /// let motion = JointMotion::segment(&[0.0; 3], &[6.0, 0.1, 0.0]);
     /// let options = CertifyOptions::default().certificates(true);
     /// let found = checker.certify_with(&motion, options)?;
@@ -360,14 +360,14 @@ impl<C: ConfigurationSpace> Checker<C> {
         let segment = self.moved(motion, k)?;
         match motion.times(k) {
             Some(times) => self.set_parts(times)?,
-            None => self.world.check_at_rest()?,
+            None => self.cell.check_at_rest()?,
         }
         Ok(segment)
     }
 
     /// Returns the motion of the bodies along a piece, after a check of the piece.
     pub(crate) fn moved(&self, motion: &JointMotion, k: usize) -> Result<C::Segment, PlanError> {
-        self.check_world()?;
+        self.check_cell()?;
         match motion.piece_ref(k) {
             PieceRef::Segment([from, to]) => {
                 self.space.check(from)?;
@@ -402,7 +402,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// the curve: contacts that are left have their times on the curve, obstacles that move theirs, and
     /// tubes their entries.
     fn straightened(&self, curve: &JointCurve) -> Result<Option<C::Segment>, PlanError> {
-        if self.start_contact_margin.is_some() || self.joint_tube.is_some() || !self.world.motions.is_empty() {
+        if self.start_contact_margin.is_some() || self.joint_tube.is_some() || !self.cell.motions.is_empty() {
             return Ok(None);
         }
         let straight = curve.straightened();
@@ -477,8 +477,8 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns an error if an end of a segment is invalid, or if an obstacle moves.
     pub(crate) fn check_ends(&self, from: &[f64], to: &[f64]) -> Result<(), PlanError> {
-        self.check_world()?;
-        self.world.check_at_rest()?;
+        self.check_cell()?;
+        self.cell.check_at_rest()?;
         self.space.check(from)?;
         self.space.check(to)
     }

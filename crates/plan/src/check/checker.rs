@@ -6,9 +6,9 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
+use crate::cell::Changes;
 use crate::cell::range_body::RangeBody;
-use crate::cell::world::Changes;
-use crate::cell::world::{Named, World};
+use crate::cell::{Cell, Named};
 use crate::check::body_boxes::{GROWN, PlacedBox};
 use crate::check::pairs::{PairKey, Pairs, Places, Stretch, cut, cut_at_knots};
 use crate::check::swept_boxes::Sweep;
@@ -19,7 +19,7 @@ use crate::motion::carried::CarriedMotion;
 use crate::motion::carried::PartMotion;
 use crate::motion::space::{BodyBall, BodyMotion, ConfigurationSpace, SegmentMotion};
 use crate::motion::tube::JointTube;
-use crate::names::{WorldId, WorldPair};
+use crate::names::{CellBody, CellPair};
 use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
 use lin_canny::motion::Motion;
 use lin_canny::separation::{Measurement, Separation};
@@ -40,10 +40,10 @@ const TUBE_PARTS: u32 = 16;
 /// Checks motions of a robot among obstacles, with one tracker per pair.
 pub struct Checker<C> {
     pub(crate) space: C,
-    pub(crate) world: World,
-    /// The number of this checker, which its world has.
+    pub(crate) cell: Cell,
+    /// The number of this checker, which its cell has.
     pub(crate) number: u64,
-    /// The error of a world that does not fit the space, or of moving obstacles without a pose.
+    /// The error of a cell that does not fit the space, or of moving obstacles without a pose.
     pub(crate) fault: Option<PlanError>,
     pub(crate) pairs: Pairs,
     /// What all pairs must keep in addition: inside a tube.
@@ -72,22 +72,22 @@ pub struct Checker<C> {
     /// Whether predicates run before distances.
     pub(crate) has_parts: bool,
     /// Bodies that proofs over ranges have prepared.
-    pub(crate) range_bodies: BTreeMap<WorldId, RangeBody>,
+    pub(crate) range_bodies: BTreeMap<CellBody, RangeBody>,
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
-    /// Returns the checker of a robot in a world.
+    /// Returns the checker of a robot in a cell.
     ///
     /// # Errors
-    /// Returns an error if the space and the world have different numbers of robot bodies, if a
+    /// Returns an error if the space and the cell have different numbers of robot bodies, if a
     /// pose is out of range, or if two kinds of geometry cannot be measured.
-    pub fn new(space: C, world: World) -> Result<Self, PlanError> {
+    pub fn new(space: C, cell: Cell) -> Result<Self, PlanError> {
         let mut checker = Self {
             reach: 0.0,
             has_parts: false,
-            pairs: Pairs::new(&World::new(), 0),
+            pairs: Pairs::new(&Cell::new(), 0),
             space,
-            world,
+            cell,
             number: Self::next_number(),
             fault: None,
             tube: 0.0,
@@ -105,13 +105,13 @@ impl<C: ConfigurationSpace> Checker<C> {
             order: Vec::new(),
             range_bodies: BTreeMap::new(),
         };
-        checker.world.changes = Changes::default();
-        checker.world.changes.owner = checker.number;
-        checker.take_world()?;
+        checker.cell.changes = Changes::default();
+        checker.cell.changes.owner = checker.number;
+        checker.take_cell()?;
         Ok(checker)
     }
 
-    /// Returns another checker of the same robot and world, for example for another thread.
+    /// Returns another checker of the same robot and cell, for example for another thread.
     ///
     /// It has the margins, the accepted contacts, the time and the boxes of pairs of this checker, and
     /// no cached state: each answer has the bits of an answer after [`forget`](Self::forget).
@@ -119,13 +119,13 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::Isometry3;
     /// # use lin_canny::Shape;
-    /// # use lin_canny_plan::{Checker, TranslationSpace, World};
-    /// # let mut world = World::new();
-    /// # world.robot_body("drone", Shape::ball(0.1)?);
-    /// # world.add_obstacle("mast", Shape::ball(0.1)?, Isometry3::identity())?;
+    /// # use lin_canny_plan::{Checker, TranslationSpace, Cell};
+    /// # let mut cell = Cell::new();
+    /// # cell.robot_body("drone", Shape::ball(0.1)?);
+    /// # cell.add_obstacle("mast", Shape::ball(0.1)?, Isometry3::identity())?;
     /// # let space = TranslationSpace::new([[-4.0, 4.0]; 3], Default::default(), 1)?;
-    /// # let mut checker = Checker::new(space, world)?;
-    /// checker.world_mut().set_margin(0.5)?;
+    /// # let mut checker = Checker::new(space, cell)?;
+    /// checker.cell_mut().set_margin(0.5)?;
     /// let mut other = checker.fork()?;
     /// assert!(!other.is_free_at(&[0.6, 0.0, 0.0])?);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -137,7 +137,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     where
         C: Clone,
     {
-        let mut other = Self::new(self.space.clone(), self.world.clone())?;
+        let mut other = Self::new(self.space.clone(), self.cell.clone())?;
         other.start_contact_margin = self.start_contact_margin;
         if let Some(time) = self.time {
             other.set_time(time)?;
@@ -169,12 +169,12 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{Checker, JointMotion, RigidSpace, Verdict, World};
-    /// # let mut world = World::new();
-    /// # world.robot_body("part", solids::cuboid(Vector3::new(0.1, 0.1, 0.1))?);
+    /// # use lin_canny_plan::{Checker, JointMotion, RigidSpace, Verdict, Cell};
+    /// # let mut cell = Cell::new();
+    /// # cell.robot_body("part", solids::cuboid(Vector3::new(0.1, 0.1, 0.1))?);
     /// # let table = solids::cuboid(Vector3::new(1.0, 1.0, 0.1))?;
-    /// # world.add_obstacle("table", table, Isometry3::translation(0.0, 0.0, -0.1))?;
-    /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
+    /// # cell.add_obstacle("table", table, Isometry3::translation(0.0, 0.0, -0.1))?;
+    /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, cell)?;
     /// let at = |x: f64, z: f64| [x, 0.0, z, 0.0, 0.0, 0.0, 1.0];
     /// let (table, above) = (at(0.0, 0.1), at(0.0, 0.5));
     /// assert!(!checker.certify(&JointMotion::segment(&table, &above))?.is_free());
@@ -219,7 +219,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub(crate) fn kept_along(&self, index: usize, segment: &C::Segment, interval: &Range<f64>) -> f64 {
         let kept = self.kept(index);
         let Some(tube) = &self.joint_tube else { return kept };
-        let ball = |part: WorldId| {
+        let ball = |part: CellBody| {
             let mover = self.pairs.places.mover(part)?;
             let (body, carried) = self.pairs.places.carrier(mover);
             Some(BodyBall::new(self.pairs.ball(part), body, carried))
@@ -256,7 +256,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns whether a pair is one with a moving obstacle.
     pub(crate) fn is_moving(&self, index: usize) -> bool {
-        self.world.obstacle_motion(self.pairs.all[index].pair.b).is_some()
+        self.cell.obstacle_motion(self.pairs.all[index].pair.b).is_some()
     }
 
     /// Sets the time on the clock at which configurations are queried: moving obstacles are at their
@@ -270,7 +270,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             let what = "time";
             return Err(PlanError::Value { what, value: time });
         }
-        self.check_world()?;
+        self.check_cell()?;
         self.place_moving(time)?;
         (self.time, self.fault) = (Some(time), None);
         Ok(())
@@ -287,32 +287,32 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.fault.clone().map_or(Ok(()), Err)?;
         match self.time {
             Some(_) => Ok(()),
-            None => self.world.check_at_rest(),
+            None => self.cell.check_at_rest(),
         }
     }
 
     /// Puts all moving obstacles at their poses at a time.
     pub(crate) fn place_moving(&mut self, time: f64) -> Result<(), PlanError> {
-        let each = self.world.motions.keys().map(|&id| self.pose_at(id, time));
-        let placed: Vec<(WorldId, Isometry3<f64>)> = each.collect::<Result<_, _>>()?;
+        let each = self.cell.motions.keys().map(|&id| self.pose_at(id, time));
+        let placed: Vec<(CellBody, Isometry3<f64>)> = each.collect::<Result<_, _>>()?;
         for (id, pose) in placed {
-            if let WorldId::Obstacle(k) = id {
+            if let CellBody::Obstacle(k) = id {
                 self.pairs.place_obstacle(k, &pose);
             }
         }
         Ok(())
     }
 
-    fn pose_at(&self, id: WorldId, time: f64) -> Result<(WorldId, Isometry3<f64>), PlanError> {
-        let poses = self.world.obstacle_motion(id);
+    fn pose_at(&self, id: CellBody, time: f64) -> Result<(CellBody, Isometry3<f64>), PlanError> {
+        let poses = self.cell.obstacle_motion(id);
         let pose = poses.and_then(|poses| poses.at(time));
         pose.map(|pose| (id, pose)).ok_or_else(|| self.no_pose(id, time))
     }
 
-    pub(crate) fn no_pose(&self, id: WorldId, time: f64) -> PlanError {
-        let [from, until] = self.world.obstacle_motion(id).map_or([0.0; 2], |poses| poses.ends());
+    pub(crate) fn no_pose(&self, id: CellBody, time: f64) -> PlanError {
+        let [from, until] = self.cell.obstacle_motion(id).map_or([0.0; 2], |poses| poses.ends());
         PlanError::PoseTime {
-            name: self.world.name(id).into(),
+            name: self.cell.name(id).into(),
             time,
             from,
             until,
@@ -321,8 +321,8 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Sets the motions of the obstacles along a curve that runs between these times on the clock.
     pub(crate) fn set_parts(&mut self, times: [f64; 2]) -> Result<(), PlanError> {
-        for (&id, poses) in &self.world.motions {
-            let WorldId::Obstacle(k) = id else { continue };
+        for (&id, poses) in &self.cell.motions {
+            let CellBody::Obstacle(k) = id else { continue };
             let Some(parts) = poses.parts(times) else {
                 let is_covered = poses.at(times[0]).is_some();
                 return Err(self.no_pose(id, times[usize::from(is_covered)]));
@@ -338,36 +338,36 @@ impl<C: ConfigurationSpace> Checker<C> {
         &self.space
     }
 
-    /// Returns the world.
+    /// Returns the cell.
     #[must_use]
-    pub fn world(&self) -> &World {
-        &self.world
+    pub fn cell(&self) -> &Cell {
+        &self.cell
     }
 
     /// Returns the name of a body.
     #[must_use]
-    pub fn name(&self, part: WorldId) -> &str {
-        self.world.name(part)
+    pub fn name(&self, part: CellBody) -> &str {
+        self.cell.name(part)
     }
 
     /// Returns what prints a body, a pair, a [`NearPair`](crate::NearPair) or a [`Verdict`] with
-    /// the names of the bodies: see [`World::show`].
+    /// the names of the bodies: see [`Cell::show`].
     ///
     /// ```
     /// # use lin_canny::nalgebra::Isometry3;
     /// # use lin_canny::Shape;
-    /// # use lin_canny_plan::{Checker, JointMotion, RigidSpace, World};
-    /// # let mut world = World::new();
-    /// # world.robot_body("drone", Shape::ball(0.1)?);
-    /// # world.add_obstacle("mast", Shape::ball(0.1)?, Isometry3::identity())?;
-    /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, world)?;
+    /// # use lin_canny_plan::{Checker, JointMotion, RigidSpace, Cell};
+    /// # let mut cell = Cell::new();
+    /// # cell.robot_body("drone", Shape::ball(0.1)?);
+    /// # cell.add_obstacle("mast", Shape::ball(0.1)?, Isometry3::identity())?;
+    /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, cell)?;
     /// let [p, q] = [-1.0, 1.0].map(|x| [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
     /// let verdict = checker.certify(&JointMotion::segment(&p, &q))?;
     /// assert!(checker.show(&verdict).to_string().starts_with("blocked by drone and mast at 0.4"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn show<'a, T>(&'a self, value: &'a T) -> Named<'a, T> {
-        self.world.show(value)
+        self.cell.show(value)
     }
 
     /// Returns the counts of work since the checker was made.
@@ -389,12 +389,12 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{Checker, RigidSpace, World};
-    /// # let mut world = World::new();
-    /// # world.robot_body("plank", solids::cuboid(Vector3::new(0.5, 0.1, 0.1))?);
-    /// # world.add_obstacle("wall", solids::cuboid(Vector3::new(0.1, 1.0, 1.0))?, Isometry3::translation(2.0, 0.0, 0.0))?;
+    /// # use lin_canny_plan::{Checker, RigidSpace, Cell};
+    /// # let mut cell = Cell::new();
+    /// # cell.robot_body("plank", solids::cuboid(Vector3::new(0.5, 0.1, 0.1))?);
+    /// # cell.add_obstacle("wall", solids::cuboid(Vector3::new(0.1, 1.0, 1.0))?, Isometry3::translation(2.0, 0.0, 0.0))?;
     /// # let space = RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?;
-    /// # let mut checker = Checker::new(space, world)?;
+    /// # let mut checker = Checker::new(space, cell)?;
     /// # let [p, q] = [[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [1.0, 0.1, 0.0, 0.0, 0.0, 0.6, 0.8]];
     /// let first = checker.clearance(&p)?;
     /// checker.clearance(&q)?;
@@ -593,7 +593,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let (tracked, places) = self.pairs.tracked(index);
         // Certificates must be in the world frame; other results may be in any frame.
         let (motion, partner) = motions(segment, places, tracked.pair, interval.start, trail.is_some());
-        let [a, b] = self.world.shapes(tracked.pair);
+        let [a, b] = self.cell.shapes(tracked.pair);
         let mut pair = tracked.tracker.pair(a, b);
         let tolerance = contact_tolerance(&pair);
         let found = match (start_contact, trail) {
@@ -627,13 +627,13 @@ impl<C: ConfigurationSpace> Checker<C> {
         let pair = tracked.pair;
         let [pose_a, pose_b] = [pair.a, pair.b].map(|part| pose_of(segment, places, part, time));
         let relative = RelativePose::new(&pose_a, &pose_b)?;
-        let [a, b] = self.world.shapes(pair);
+        let [a, b] = self.cell.shapes(pair);
         let mut pair = tracked.tracker.pair(a, b);
         let seen = pair.measure(&relative);
         Ok(pair.meets(&relative, kept, &seen).then_some(seen))
     }
 
-    fn in_world(&self, segment: &C::Segment, pair: WorldPair, time: f64, points: [Point3<f64>; 2]) -> [Point3<f64>; 2] {
+    fn in_world(&self, segment: &C::Segment, pair: CellPair, time: f64, points: [Point3<f64>; 2]) -> [Point3<f64>; 2] {
         let places = &self.pairs.places;
         [(pair.a, points[0]), (pair.b, points[1])].map(|(part, point)| pose_of(segment, places, part, time) * point)
     }
@@ -650,7 +650,7 @@ pub(crate) fn contact_tolerance(pair: &MovingPair<'_>) -> Tolerance {
 pub(crate) fn motions<'a, M: SegmentMotion>(
     segment: &'a M,
     places: &'a Places,
-    pair: WorldPair,
+    pair: CellPair,
     start: f64,
     in_world: bool,
 ) -> (CarriedMotion<'a, M>, PartMotion<'a, M>) {
@@ -661,7 +661,7 @@ pub(crate) fn motions<'a, M: SegmentMotion>(
         _ => 0,
     };
     let partner = match (other, pair.b) {
-        (None, WorldId::Obstacle(k)) => match places.part(k, start) {
+        (None, CellBody::Obstacle(k)) => match places.part(k, start) {
             Some(part) => PartMotion::Moving(part),
             None => PartMotion::Obstacle(&places.resting[k]),
         },
@@ -671,9 +671,9 @@ pub(crate) fn motions<'a, M: SegmentMotion>(
 }
 
 /// Returns the pose of a body at a time.
-fn pose_of<M: SegmentMotion>(segment: &M, places: &Places, part: WorldId, time: f64) -> Isometry3<f64> {
+fn pose_of<M: SegmentMotion>(segment: &M, places: &Places, part: CellBody, time: f64) -> Isometry3<f64> {
     match (part, places.mover(part)) {
-        (WorldId::Obstacle(k), _) => match places.part(k, time) {
+        (CellBody::Obstacle(k), _) => match places.part(k, time) {
             Some(part) => part.pose(time),
             None => places.obstacle_poses[k],
         },

@@ -7,7 +7,7 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
-use crate::cell::world::Named;
+use crate::cell::Named;
 use crate::check::body_boxes::{GROWN, PlacedBox, placed_ball};
 use crate::check::checker::Checker;
 use crate::check::pairs::PairKey;
@@ -15,7 +15,7 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::motion::joint_motion::{JointMotion, PieceRef};
 use crate::motion::space::{ConfigurationSpace, SegmentMotion};
-use crate::names::{WorldId, WorldPair};
+use crate::names::{CellBody, CellPair};
 use crate::tolerance::PLACED;
 use lin_canny::ContactState;
 use lin_canny::RelativePose;
@@ -39,7 +39,7 @@ const ENLARGED: f64 = 4.0;
 #[non_exhaustive]
 pub struct NearPair {
     /// The pair.
-    pub pair: WorldPair,
+    pub pair: CellPair,
     /// Signed distance: negative for an overlap, zero for an overlap of unknown depth.
     pub distance: f64,
     /// Lower bound of the signed distance.
@@ -47,7 +47,7 @@ pub struct NearPair {
     /// Upper bound of the signed distance.
     pub upper: f64,
     /// The signed distance less what the pair must keep
-    /// ([`World::kept_distance`](crate::World::kept_distance)).
+    /// ([`Cell::kept_distance`](crate::Cell::kept_distance)).
     pub excess: f64,
     /// Witness points on both bodies, in the world.
     pub witnesses: [Point3<f64>; 2],
@@ -76,7 +76,7 @@ impl fmt::Display for Named<'_, NearPair> {
     /// Writes the names, the signed distance and its bounds.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let near = self.value;
-        let pair = self.world.show(&near.pair);
+        let pair = self.cell.show(&near.pair);
         write!(
             f,
             "{pair} at {:?} ({:?} to {:?})",
@@ -140,7 +140,7 @@ pub struct SegmentClearance {
     /// Index of the piece of the motion.
     pub piece: usize,
     /// The closest pair at `t`; `None` if there is no pair.
-    pub pair: Option<WorldPair>,
+    pub pair: Option<CellPair>,
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
@@ -327,7 +327,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub(crate) fn ball_gap(&self, index: usize) -> f64 {
         let pair = self.pairs.all[index].pair;
         let [(p, r), (q, s)] = [pair.a, pair.b].map(|part| match (part, self.pairs.places.mover(part)) {
-            (WorldId::Obstacle(k), _) => self.pairs.placed(k).ball,
+            (CellBody::Obstacle(k), _) => self.pairs.placed(k).ball,
             (_, mover) => self.placed_balls[mover.unwrap_or_default()],
         });
         (q - p).norm() - r - s
@@ -340,7 +340,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub(crate) fn boxes_apart(&mut self, index: usize, poses: &[Isometry3<f64>], distance: f64) -> bool {
         let pair = self.pairs.all[index].pair;
         let [a, b] = [pair.a, pair.b].map(|part| match (part, self.pairs.places.mover(part)) {
-            (WorldId::Obstacle(k), _) => self.pairs.placed(k).own_box,
+            (CellBody::Obstacle(k), _) => self.pairs.placed(k).own_box,
             (_, mover) => {
                 let mover = mover.unwrap_or_default();
                 let own = self.pairs.mover_own_box(mover);
@@ -364,7 +364,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let pair = tracked.pair;
         let [pose_a, pose_b] = [pair.a, pair.b].map(|part| *places.pose(part, poses));
         let relative = RelativePose::new(&pose_a, &pose_b)?;
-        let [a, b] = self.world.shapes(pair);
+        let [a, b] = self.cell.shapes(pair);
         let outcome = tracked.tracker.closest(a, b, &relative);
         let is_known = outcome.state != ContactState::Overlapping || outcome.lower > f64::NEG_INFINITY;
         let distance = if is_known { outcome.distance } else { 0.0 };
@@ -509,7 +509,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 }
 
 impl SegmentClearance {
-    fn lower_to(&mut self, upper: f64, t: f64, pair: WorldPair) {
+    fn lower_to(&mut self, upper: f64, t: f64, pair: CellPair) {
         if upper < self.upper {
             (self.upper, self.t, self.pair) = (upper, t, Some(pair));
         }

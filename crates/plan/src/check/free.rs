@@ -5,7 +5,7 @@ use nalgebra::Isometry3;
 use crate::check::checker::{Checker, HITS, HITS_FIRST};
 use crate::error::PlanError;
 use crate::motion::space::ConfigurationSpace;
-use crate::names::WorldPair;
+use crate::names::CellPair;
 use lin_canny::RelativePose;
 
 impl<C: ConfigurationSpace> Checker<C> {
@@ -99,7 +99,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let (tracked, places) = self.pairs.tracked(index);
         let pair = tracked.pair;
         let relative = RelativePose::new(places.pose(pair.a, poses), places.pose(pair.b, poses))?;
-        let [a, b] = self.world.shapes(pair);
+        let [a, b] = self.cell.shapes(pair);
         Ok(tracked.tracker.within(a, b, &relative, distance))
     }
 
@@ -110,7 +110,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// # Errors
     /// Returns an error if the configuration is invalid.
-    pub fn in_contact(&mut self, configuration: &[f64]) -> Result<Vec<WorldPair>, PlanError> {
+    pub fn in_contact(&mut self, configuration: &[f64]) -> Result<Vec<CellPair>, PlanError> {
         self.space.check(configuration)?;
         self.check_time()?;
         self.work.configurations += 1;
@@ -122,7 +122,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         found
     }
 
-    fn touching(&mut self, poses: &[Isometry3<f64>]) -> Result<Vec<WorldPair>, PlanError> {
+    fn touching(&mut self, poses: &[Isometry3<f64>]) -> Result<Vec<CellPair>, PlanError> {
         self.place_balls(poses);
         self.gather_within(0.0, poses)?;
         let candidates = core::mem::take(&mut self.candidates);

@@ -42,7 +42,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns the hulls of a pair with a mesh, with their tracker, and counts a query of them.
     fn posed_hulls(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<Option<HullQuery<'_>>, PlanError> {
         let pair = self.pairs.all[index].pair;
-        let Some(hulls) = self.world.hulls(pair) else {
+        let Some(hulls) = self.cell.hulls(pair) else {
             return Ok(None);
         };
         self.work.hulls += 1;
@@ -63,7 +63,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         distance: f64,
     ) -> Result<Option<f64>, PlanError> {
         let pair = self.pairs.all[index].pair;
-        let Some(hulls) = self.world.hulls(pair) else {
+        let Some(hulls) = self.cell.hulls(pair) else {
             return Ok(Some(interval.start));
         };
         let (tracked, places) = self.pairs.tracked(index);

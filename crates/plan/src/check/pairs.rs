@@ -7,21 +7,21 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
-use crate::cell::world::{World, resting, swept};
+use crate::cell::{Cell, resting, swept};
 use crate::check::apart::ApartBoxes;
 use crate::check::body_boxes::{OwnBox, PlacedBox, placed_ball};
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::motion::carried::Carried;
 use crate::motion::timed_poses::PosePart;
-use crate::names::{WorldId, WorldPair};
+use crate::names::{CellBody, CellPair};
 use lin_canny::PairTracker;
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
 use lin_canny::motion::{Motion, Steady, Velocity};
 
 /// A pair and its tracker.
 pub(crate) struct TrackedPair {
-    pub(crate) pair: WorldPair,
+    pub(crate) pair: CellPair,
     /// The distance that the pair must keep.
     pub(crate) kept: f64,
     /// Orders the pairs: pairs with obstacles come first.
@@ -38,8 +38,8 @@ pub(crate) struct TrackedPair {
 }
 
 /// Whether no body is an obstacle, and the pair. Unlike the index of a pair, it does not depend on
-/// earlier changes of the world.
-pub(crate) type PairKey = (bool, WorldPair);
+/// earlier changes of the cell.
+pub(crate) type PairKey = (bool, CellPair);
 
 /// A pair, and an interval of a segment in which the swept boxes of both overlap.
 #[derive(Clone, Copy, Debug)]
@@ -119,7 +119,7 @@ pub(crate) struct Pairs {
     obstacle_own_boxes: Vec<OwnBox>,
     /// The greatest radius of a ball of a mover.
     pub(crate) robot_radius: f64,
-    /// Whether all pairs must keep the margin of the world and nothing else.
+    /// Whether all pairs must keep the margin of the cell and nothing else.
     pub(crate) is_uniform: bool,
     /// Upper bound of what a pair of each mover and an obstacle must keep.
     pub(crate) most_kept: Vec<f64>,
@@ -153,11 +153,11 @@ pub(crate) struct Places {
 
 impl Places {
     /// Returns the number of a body that moves with the robot.
-    pub(crate) fn mover(&self, id: WorldId) -> Option<usize> {
+    pub(crate) fn mover(&self, id: CellBody) -> Option<usize> {
         match id {
-            WorldId::Robot(k) => Some(k),
-            WorldId::Attached(k) => Some(self.bodies + k),
-            WorldId::Obstacle(_) => None,
+            CellBody::Robot(k) => Some(k),
+            CellBody::Attached(k) => Some(self.bodies + k),
+            CellBody::Obstacle(_) => None,
         }
     }
 
@@ -170,9 +170,9 @@ impl Places {
     }
 
     /// Returns the times within an interval at which the motion of an obstacle changes.
-    pub(crate) fn knots(&self, id: WorldId, from: f64, until: f64) -> impl Iterator<Item = f64> {
+    pub(crate) fn knots(&self, id: CellBody, from: f64, until: f64) -> impl Iterator<Item = f64> {
         let parts = match id {
-            WorldId::Obstacle(k) => &self.parts[k][..],
+            CellBody::Obstacle(k) => &self.parts[k][..],
             _ => &[],
         };
         let within = move |at: &f64| *at > from && *at < until;
@@ -197,11 +197,11 @@ impl Places {
     }
 
     /// Returns the pose of a body, given those of all movers.
-    pub(crate) fn pose<'a>(&'a self, id: WorldId, movers: &'a [Isometry3<f64>]) -> &'a Isometry3<f64> {
+    pub(crate) fn pose<'a>(&'a self, id: CellBody, movers: &'a [Isometry3<f64>]) -> &'a Isometry3<f64> {
         match id {
-            WorldId::Robot(k) => &movers[k],
-            WorldId::Attached(k) => &movers[self.bodies + k],
-            WorldId::Obstacle(k) => &self.obstacle_poses[k],
+            CellBody::Robot(k) => &movers[k],
+            CellBody::Attached(k) => &movers[self.bodies + k],
+            CellBody::Obstacle(k) => &self.obstacle_poses[k],
         }
     }
 }
@@ -214,13 +214,13 @@ const FEW: usize = 64;
 
 /// Bodies.
 impl Pairs {
-    /// Returns the pairs of a world without any pair; the caller adds attached objects, obstacles
+    /// Returns the pairs of a cell without any pair; the caller adds attached objects, obstacles
     /// and pairs.
-    pub(crate) fn new(world: &World, bodies: usize) -> Self {
-        let robot = world.robot.iter().map(|b| Some(b.1.bounding_ball()));
+    pub(crate) fn new(cell: &Cell, bodies: usize) -> Self {
+        let robot = cell.robot.iter().map(|b| Some(b.1.bounding_ball()));
         let mut mover_balls: Vec<_> = robot.collect();
         mover_balls.resize(bodies, None);
-        let mut mover_own_boxes: Vec<_> = world.robot.iter().map(|b| OwnBox::of(&b.1)).collect();
+        let mut mover_own_boxes: Vec<_> = cell.robot.iter().map(|b| OwnBox::of(&b.1)).collect();
         mover_own_boxes.resize(bodies, OwnBox::NONE);
         let mut pairs = Self {
             rows: Vec::new(),
@@ -253,7 +253,7 @@ impl Pairs {
             made: 0,
         };
         pairs.measure_radius();
-        pairs.take_margins(world);
+        pairs.take_margins(cell);
         pairs
     }
 
@@ -263,7 +263,7 @@ impl Pairs {
     }
 
     /// Sets, adds or removes an attached object; its pairs are not measured until they are set.
-    pub(crate) fn set_attached(&mut self, world: &World, index: usize) {
+    pub(crate) fn set_attached(&mut self, cell: &Cell, index: usize) {
         while self.places.carried.len() <= index {
             self.places.carried.push(Carried {
                 body: 0,
@@ -278,12 +278,12 @@ impl Pairs {
         }
         let mover = self.places.bodies + index;
         self.mover_balls[mover] = None;
-        if let Some(object) = &world.attached[index] {
+        if let Some(object) = &cell.attached[index] {
             let ball = object.geometry.bounding_ball();
             self.mover_balls[mover] = Some(ball);
             self.mover_own_boxes[mover] = OwnBox::of(&object.geometry);
             self.places.carried[index] = Carried {
-                body: world.body_of(object.frame),
+                body: cell.body_of(object.frame),
                 pose: object.pose,
                 middle: ball.0,
             };
@@ -293,7 +293,7 @@ impl Pairs {
 
     /// Sets, adds or removes an obstacle; its new pairs are not measured until they are set. The
     /// broad phase must make a step afterwards.
-    pub(crate) fn set_obstacle(&mut self, world: &World, index: usize) -> Result<(), PlanError> {
+    pub(crate) fn set_obstacle(&mut self, cell: &Cell, index: usize) -> Result<(), PlanError> {
         while self.box_ids.len() <= index {
             self.box_ids.push(None);
             self.places
@@ -311,14 +311,14 @@ impl Pairs {
             self.rows.push(std::vec![NONE; self.mover_balls.len()]);
         }
         self.places.parts[index].clear();
-        let Some((_, shape, pose)) = &world.obstacles[index] else {
+        let Some((_, shape, pose)) = &cell.obstacles[index] else {
             if let Some(id) = self.box_ids[index].take() {
                 self.boxes.remove(id)?;
             }
             return Ok(());
         };
         let (steady, mut aabb) = resting(shape, pose)?;
-        if let Some(poses) = world.motions.get(&WorldId::Obstacle(index)) {
+        if let Some(poses) = cell.motions.get(&CellBody::Obstacle(index)) {
             aabb = swept(shape, poses)?;
         }
         let is_bounded = [&aabb, &self.obstacle_boxes[index]].map(|b| b.validate().is_ok());
@@ -375,18 +375,18 @@ impl Pairs {
         self.boxes.step();
     }
 
-    /// Takes over what all pairs of the world must keep; the pairs take theirs when they are set.
-    pub(crate) fn take_margins(&mut self, world: &World) {
-        self.is_uniform = world.paddings.is_empty() && world.margins.is_empty();
-        let (most, least) = world.kept_bounds();
+    /// Takes over what all pairs of the cell must keep; the pairs take theirs when they are set.
+    pub(crate) fn take_margins(&mut self, cell: &Cell) {
+        self.is_uniform = cell.paddings.is_empty() && cell.margins.is_empty();
+        let (most, least) = cell.kept_bounds();
         let movers = (0..self.mover_balls.len()).map(|k| match k.checked_sub(self.places.bodies) {
-            Some(k) => WorldId::Attached(k),
-            None => WorldId::Robot(k),
+            Some(k) => CellBody::Attached(k),
+            None => CellBody::Robot(k),
         });
         let is_uniform = self.is_uniform;
         let most = movers.map(|id| match is_uniform {
             true => most,
-            false => (most + world.padding(id)) * (1.0 + 8.0 * f64::EPSILON) + f64::MIN_POSITIVE,
+            false => (most + cell.padding(id)) * (1.0 + 8.0 * f64::EPSILON) + f64::MIN_POSITIVE,
         });
         self.most_kept = most.collect();
         self.least_kept = least;
@@ -395,19 +395,19 @@ impl Pairs {
 
 /// Pairs.
 impl Pairs {
-    fn entry(&self, pair: WorldPair) -> Option<usize> {
+    fn entry(&self, pair: CellPair) -> Option<usize> {
         let a = self.places.mover(pair.a)?;
         match pair.b {
-            WorldId::Obstacle(k) => self.of(a, k),
+            CellBody::Obstacle(k) => self.of(a, k),
             _ => self.own.get(&(a, self.places.mover(pair.b)?)).copied(),
         }
     }
 
     /// Measures a pair from now on, or does not; updates what it must keep. Returns the index of a
     /// pair that is no longer measured.
-    pub(crate) fn set(&mut self, pair: WorldPair, kept: Option<f64>) -> Option<usize> {
+    pub(crate) fn set(&mut self, pair: CellPair, kept: Option<f64>) -> Option<usize> {
         let known = self.entry(pair);
-        let is_own = !matches!(pair.b, WorldId::Obstacle(_));
+        let is_own = !matches!(pair.b, CellBody::Obstacle(_));
         let index = match (known, kept) {
             (None, None) => return None,
             (Some(index), Some(kept)) => {
@@ -446,7 +446,7 @@ impl Pairs {
         };
         let a = self.places.mover(pair.a)?;
         match (pair.b, index) {
-            (WorldId::Obstacle(k), index) => self.rows[k][a] = index.map_or(NONE, |index| index as u32),
+            (CellBody::Obstacle(k), index) => self.rows[k][a] = index.map_or(NONE, |index| index as u32),
             (b, Ok(index)) => {
                 self.own.insert((a, self.places.mover(b)?), index);
             }
@@ -458,7 +458,7 @@ impl Pairs {
     }
 
     /// Sets the boxes of joint values in which a pair is apart, if the pair is measured.
-    pub(crate) fn set_apart(&mut self, pair: WorldPair, boxes: &Arc<ApartBoxes>) {
+    pub(crate) fn set_apart(&mut self, pair: CellPair, boxes: &Arc<ApartBoxes>) {
         if let Some(index) = self.entry(pair) {
             self.all[index].apart = Some(boxes.clone());
         }
@@ -472,9 +472,9 @@ impl Pairs {
     }
 
     /// Returns the ball around a body, in the frame of its shape.
-    pub(crate) fn ball(&self, id: WorldId) -> (Point3<f64>, f64) {
+    pub(crate) fn ball(&self, id: CellBody) -> (Point3<f64>, f64) {
         let ball = match (id, self.places.mover(id)) {
-            (WorldId::Obstacle(k), _) => Some(self.obstacle_balls[k]),
+            (CellBody::Obstacle(k), _) => Some(self.obstacle_balls[k]),
             (_, mover) => mover.and_then(|k| self.mover_balls[k]),
         };
         ball.unwrap_or((Point3::origin(), 0.0))

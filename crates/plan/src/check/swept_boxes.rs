@@ -19,7 +19,7 @@ use crate::check::pairs::{Pairs, Stretch, TrackedPair};
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::motion::space::{BodyBall, SegmentMotion};
-use crate::names::{WorldId, WorldPair};
+use crate::names::{CellBody, CellPair};
 use crate::tolerance::ATTACHED;
 use lin_canny::broad::Aabb;
 
@@ -142,13 +142,13 @@ impl Sweep {
     pub(crate) fn boxes_meet(
         &self,
         pairs: &Pairs,
-        pair: WorldPair,
+        pair: CellPair,
         interval: &Range<f64>,
         kept: f64,
     ) -> Option<Range<f64>> {
         let course = |id| pairs.places.mover(id).map(|mover| &self.courses[mover]);
         let resting = match pair.b {
-            WorldId::Obstacle(k) => Some(&pairs.placed(k).own_box),
+            CellBody::Obstacle(k) => Some(&pairs.placed(k).own_box),
             _ => None,
         };
         let (a, b) = (course(pair.a), course(pair.b));
@@ -229,12 +229,12 @@ impl Pairs {
         self.near(mover, &widest, &mut found)?;
         for &pair in &found {
             let TrackedPair {
-                pair: WorldPair { b, .. },
+                pair: CellPair { b, .. },
                 kept,
                 key,
                 ..
             } = self.all[pair];
-            let WorldId::Obstacle(obstacle) = b else { continue };
+            let CellBody::Obstacle(obstacle) = b else { continue };
             let around = kept_around(&self.obstacle_boxes[obstacle], kept);
             let (mut from, mut was_near) = (0.0, false);
             for (part, aabb) in swept.iter().enumerate() {

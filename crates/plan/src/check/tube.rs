@@ -8,7 +8,7 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::motion::joint_motion::{JointMotion, PieceRef, Tube};
 use crate::motion::space::ConfigurationSpace;
-use crate::names::WorldPair;
+use crate::names::CellPair;
 
 /// Number of times after the first at which a contact is searched for. Not measured.
 const TIMES: u32 = 64;
@@ -36,16 +36,16 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{Checker, Joint, JointCurve, JointMotion, JointTree, World};
+    /// # use lin_canny_plan::{Checker, Joint, JointCurve, JointMotion, JointTree, Cell};
     /// # let origin = Isometry3::identity();
     /// # let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
     /// # let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
     /// # let block = JointTree::serial(origin, rails, vec![2], 0.1)?;
-    /// # let mut world = World::new();
-    /// # world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
+    /// # let mut cell = Cell::new();
+    /// # cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
     /// # let post = solids::cuboid(Vector3::repeat(0.5))?;
-    /// # world.add_obstacle("post", post, origin)?;
-    /// # let mut checker = Checker::new(block, world)?;
+    /// # cell.add_obstacle("post", post, origin)?;
+    /// # let mut checker = Checker::new(block, cell)?;
     /// // The lowest point of this parabola is 0.1 above contact.
     /// let curve = JointCurve::bezier(&[[-1.0, 1.6], [0.0, -0.2], [1.0, 1.6]])?;
     /// let motion = JointMotion::curve(&curve).with_tube(&[0.0, 0.11])?;
@@ -130,7 +130,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         if !self.is_free_at(&middle)? {
             return Ok(Some(middle));
         }
-        let mut pairs: Vec<(f64, WorldPair, Vec<f64>)> = Vec::new();
+        let mut pairs: Vec<(f64, CellPair, Vec<f64>)> = Vec::new();
         for near in self.nearest(&middle, f64::INFINITY)? {
             let moved: f64 = near.gradient.iter().zip(tube).map(|(g, e)| g.abs() * e).sum();
             if near.excess <= HOPE * moved {

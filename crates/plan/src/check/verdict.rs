@@ -6,8 +6,8 @@ use std::vec::Vec;
 
 use nalgebra::Point3;
 
-use crate::cell::world::Named;
-use crate::names::WorldPair;
+use crate::cell::Named;
+use crate::names::CellPair;
 use lin_canny::impact::StartContact;
 
 /// The verdict about a motion.
@@ -35,7 +35,7 @@ pub enum Verdict {
         /// Index of the piece: the segment of a path, or the curve of a spline.
         piece: usize,
         /// The pair.
-        pair: WorldPair,
+        pair: CellPair,
         /// Closest points of `pair.a` and `pair.b` in the world, at `free_until`, or at `contact_at`
         /// if `free_until` is 0.
         witnesses: [Point3<f64>; 2],
@@ -60,7 +60,7 @@ pub enum Verdict {
 #[non_exhaustive]
 pub struct LeavingPair {
     /// The pair.
-    pub pair: WorldPair,
+    pub pair: CellPair,
     /// The signed distance at the start, the distance that the pair is proven to keep, and the time
     /// at which it has left the margin.
     pub contact: StartContact,
@@ -137,7 +137,7 @@ impl fmt::Display for Named<'_, Verdict> {
             } => {
                 write!(f, "free, with a clearance of more than {clearance:?}")?;
                 for (k, leaving) in start_contacts.iter().enumerate() {
-                    let pair = self.world.show(&leaving.pair);
+                    let pair = self.cell.show(&leaving.pair);
                     write!(f, "{} {pair}", if k == 0 { ", leaving the contact of" } else { "," })?;
                 }
                 Ok(())
@@ -149,7 +149,7 @@ impl fmt::Display for Named<'_, Verdict> {
                 pair,
                 ..
             } => {
-                let pair = self.world.show(&pair);
+                let pair = self.cell.show(&pair);
                 write!(
                     f,
                     "blocked by {pair} at {contact_at:?}{} (free up to {free_until:?})",

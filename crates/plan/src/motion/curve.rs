@@ -217,7 +217,7 @@ impl JointCurve {
     /// Returns the curve with times on a clock of its start and its end.
     ///
     /// They matter only among moving obstacles
-    /// ([`World::add_moving_obstacle`](crate::World::add_moving_obstacle)).
+    /// ([`Cell::add_moving_obstacle`](crate::Cell::add_moving_obstacle)).
     /// The times 0 to 1 of the curve, and of verdicts about it, stay.
     ///
     /// # Errors

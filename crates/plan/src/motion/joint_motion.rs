@@ -162,7 +162,7 @@ impl JointMotion {
 
     /// Returns the motion with times on a clock: those of each configuration of a path, or of the
     /// start of each curve and of the last end. They matter only among moving obstacles
-    /// ([`World::add_moving_obstacle`](crate::World::add_moving_obstacle)).
+    /// ([`Cell::add_moving_obstacle`](crate::Cell::add_moving_obstacle)).
     ///
     /// # Errors
     /// Returns an error if a time is not finite or not after the one before, or if there is not one

@@ -27,7 +27,7 @@ use lin_canny::RelativePose;
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny_plan::{Checker, Drive, JointKind, JointMotion, JointTree, TreeJoint, World};
+/// use lin_canny_plan::{Checker, Drive, JointKind, JointMotion, JointTree, TreeJoint, Cell};
 /// use lin_canny::polyhedron::solids;
 ///
 /// let finger = |factor: f64| TreeJoint {
@@ -49,11 +49,11 @@ use lin_canny::RelativePose;
 /// let (base, radii) = (Isometry3::identity(), vec![0.0, 0.0, 0.1, 0.1]);
 /// let hand = JointTree::new(base, joints, limits, vec![2, 3], radii)?;
 /// let rod = solids::cuboid(Vector3::new(0.01, 0.01, 0.05))?;
-/// let mut world = World::new();
-/// world.robot_body("left", rod.clone());
-/// world.robot_body("right", rod);
+/// let mut cell = Cell::new();
+/// cell.robot_body("left", rod.clone());
+/// cell.robot_body("right", rod);
 ///
-/// let mut checker = Checker::new(hand, world)?;
+/// let mut checker = Checker::new(hand, cell)?;
 /// let apart = checker.clearance(&[0.5, 0.03])?.unwrap().distance;
 /// assert!((apart - 0.08).abs() < 1e-12);
 /// assert!(checker.is_free(&JointMotion::segment(&[0.0, 0.04], &[2.0, 0.0]))?);
@@ -277,7 +277,7 @@ impl JointTree {
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, Verdict, World};
+    /// use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, Verdict, Cell};
     /// use lin_canny::polyhedron::solids;
     ///
     /// // Two links in the plane, each one long.
@@ -286,14 +286,14 @@ impl JointTree {
     /// let base = Isometry3::identity();
     /// let arm = JointTree::serial(base, vec![turn(0.0), turn(1.0)], vec![1, 2], 1.0)?;
     /// let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05))?.transformed(&at(0.5))?;
-    /// let mut world = World::new();
-    /// world.robot_body("upper arm", rod.clone());
-    /// world.robot_body("fore arm", rod);
+    /// let mut cell = Cell::new();
+    /// cell.robot_body("upper arm", rod.clone());
+    /// cell.robot_body("fore arm", rod);
     /// let post = solids::cuboid(Vector3::new(0.1, 0.1, 1.0))?;
     /// let side = Isometry3::translation(0.0, 1.5, 0.0);
-    /// world.add_obstacle("post", post, side)?;
+    /// cell.add_obstacle("post", post, side)?;
     ///
-    /// let mut checker = Checker::new(arm, world)?;
+    /// let mut checker = Checker::new(arm, cell)?;
     /// assert!(checker.certify(&JointMotion::segment(&[0.0, 0.0], &[0.8, 1.0]))?.is_free());
     /// let verdict = checker.certify(&JointMotion::segment(&[0.0, 0.0], &[2.5, 0.0]))?;
     /// let Verdict::Blocked { contact_at: t, pair, .. } = verdict else {

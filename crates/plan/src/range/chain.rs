@@ -171,7 +171,7 @@ impl Chain {
         }
         builder.fixed(&b.pose);
         // What the poses of the bodies in the world err by.
-        let mut world = 0.0;
+        let mut cell = 0.0;
         for (end, joints) in [(a, &of_a), (b, &of_b)] {
             let base = end.path.as_ref().map_or(0.0, |path| size(&path.base));
             let mut length = base + size(&end.pose) + end.reach;
@@ -185,14 +185,14 @@ impl Chain {
                 }
             }
             // A rotation that is not normalised moves a point by twice its deviation.
-            world += 3.0 * end.deviation * length;
-            world += ((joints.len() + 2) as f64 * (ARM_TURN + ARM_PLACE) + ARM_VALUE * turns) * length;
+            cell += 3.0 * end.deviation * length;
+            cell += ((joints.len() + 2) as f64 * (ARM_TURN + ARM_PLACE) + ARM_VALUE * turns) * length;
         }
         let mut drives = of_a.iter().chain(&of_b).filter_map(|(_, joint)| joint.drive);
         let is_at_a_point = drives.all(|d| d.factor == 0.0 || low[d.coordinate] == high[d.coordinate]);
         Self {
             is_at_a_point,
-            ..builder.finish([a.reach, b.reach], world)
+            ..builder.finish([a.reach, b.reach], cell)
         }
     }
 

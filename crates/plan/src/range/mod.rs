@@ -49,7 +49,7 @@ use crate::cell::range_body::RangeBody;
 use crate::check::checker::Checker;
 use crate::error::PlanError;
 use crate::motion::space::ConfigurationSpace;
-use crate::names::{WorldId, WorldPair};
+use crate::names::{CellBody, CellPair};
 use chain::{Chain, ChainEnd};
 use lin_canny::{PairTracker, Progress, normalize_rotation};
 use search::{Search, fingerprint_of};
@@ -95,7 +95,7 @@ impl<'a> RangeProver<'a> {
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
-    /// use lin_canny_plan::{Checker, Joint, JointTree, RangeOptions, RangeProver, RangeVerdict, World};
+    /// use lin_canny_plan::{Checker, Joint, JointTree, RangeOptions, RangeProver, RangeVerdict, Cell};
     ///
     /// // Two links in the plane, each one long, and a post.
     /// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
@@ -103,12 +103,12 @@ impl<'a> RangeProver<'a> {
     /// let base = Isometry3::identity();
     /// let arm = JointTree::serial(base, vec![turn(0.0), turn(1.0)], vec![2], 1.0)?;
     /// let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05))?.transformed(&at(0.5))?;
-    /// let mut world = World::new();
-    /// let rod = world.robot_body("fore arm", rod);
+    /// let mut cell = Cell::new();
+    /// let rod = cell.robot_body("fore arm", rod);
     /// let post = solids::cuboid(Vector3::new(0.1, 0.1, 1.0))?;
-    /// let post = world.add_obstacle("post", post, at(1.5))?;
+    /// let post = cell.add_obstacle("post", post, at(1.5))?;
     ///
-    /// let mut checker = Checker::new(arm, world)?;
+    /// let mut checker = Checker::new(arm, cell)?;
     /// let options = RangeOptions::default();
     /// let all = RangeProver::new(&options).pair(&mut checker, rod, post, &[-3.0; 2], &[3.0; 2])?;
     /// assert!(matches!(all.verdict, RangeVerdict::Both { .. }));
@@ -124,7 +124,7 @@ impl<'a> RangeProver<'a> {
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
     /// # use lin_canny_plan::{Checker, ClearanceWidth, Drive, JointKind, JointTree};
-    /// # use lin_canny_plan::{RangeOptions, RangeProver, TreeJoint, World};
+    /// # use lin_canny_plan::{RangeOptions, RangeProver, TreeJoint, Cell};
     /// let slide = |parent, axis| TreeJoint {
     ///     parent,
     ///     kind: JointKind::Prismatic,
@@ -137,12 +137,12 @@ impl<'a> RangeProver<'a> {
     /// let limits = vec![[0.0, 1.0], [-0.02, 0.02]];
     /// let base = Isometry3::identity();
     /// let tree = JointTree::new(base, joints, limits, vec![2], vec![1.0; 3])?;
-    /// let mut world = World::new();
-    /// let peg = world.robot_body("peg", solids::cuboid(Vector3::repeat(0.1))?);
+    /// let mut cell = Cell::new();
+    /// let peg = cell.robot_body("peg", solids::cuboid(Vector3::repeat(0.1))?);
     /// let wall = solids::cuboid(Vector3::new(0.1, 1.0, 2.0))?;
-    /// let wall = world.add_obstacle("wall", wall, Isometry3::translation(0.25, 0.0, 0.0))?;
+    /// let wall = cell.add_obstacle("wall", wall, Isometry3::translation(0.25, 0.0, 0.0))?;
     ///
-    /// let mut checker = Checker::new(tree, world)?;
+    /// let mut checker = Checker::new(tree, cell)?;
     /// let options = RangeOptions::default().width(ClearanceWidth::Length(1e-6));
     /// let [low, high] = [[0.0, -0.02], [1.0, 0.02]];
     /// let found = RangeProver::new(&options).pair(&mut checker, peg, wall, &low, &high)?;
@@ -166,13 +166,13 @@ impl<'a> RangeProver<'a> {
     pub fn pair<C: ConfigurationSpace>(
         self,
         checker: &mut Checker<C>,
-        a: WorldId,
-        b: WorldId,
+        a: CellBody,
+        b: CellBody,
         low: &[f64],
         high: &[f64],
     ) -> Result<RangeAnswer, PlanError> {
         checker.check_range(low, high)?;
-        let pair = WorldPair::new(a, b).ok_or(PlanError::NoBody(b))?;
+        let pair = CellPair::new(a, b).ok_or(PlanError::NoBody(b))?;
         let range = low.iter().zip(high).map(|(low, high)| [*low, *high]).collect();
         self.proved(checker, RangeAnswer::new(pair, range))
     }
@@ -193,7 +193,7 @@ impl<'a> RangeProver<'a> {
         checker.check_range(low, high)?;
         let range: Vec<[f64; 2]> = low.iter().zip(high).map(|(low, high)| [*low, *high]).collect();
         let ordered = checker.pairs.ordered();
-        let mut pairs: Vec<WorldPair> = ordered.iter().map(|k| checker.pairs.all[*k].pair).collect();
+        let mut pairs: Vec<CellPair> = ordered.iter().map(|k| checker.pairs.all[*k].pair).collect();
         pairs.sort_unstable();
         let Self { options, mut progress } = self;
         let mut is_stopped = false;
@@ -260,9 +260,9 @@ impl<C: ConfigurationSpace> Checker<C> {
         let [low, high] = [0, 1].map(|k| answer.range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
         self.prepare_pair(pair)?;
         let chain = self.chain(pair, &low, &high)?;
-        let shapes = self.world.shapes(pair);
+        let shapes = self.cell.shapes(pair);
         let bodies = [pair.a, pair.b].map(|id| &self.range_bodies[&id]);
-        let kept = self.world.kept_distance(pair);
+        let kept = self.cell.kept_distance(pair);
         let fingerprint = fingerprint_of(shapes, bodies, &chain, kept);
         let (space, places) = (&self.space, &self.pairs.places);
         let place = |q: &[f64], poses: &mut Vec<Isometry3<f64>>| {
@@ -286,11 +286,11 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Prepares the bodies of a pair for proofs over ranges.
-    fn prepare_pair(&mut self, pair: WorldPair) -> Result<(), PlanError> {
+    fn prepare_pair(&mut self, pair: CellPair) -> Result<(), PlanError> {
         for id in [pair.a, pair.b] {
-            self.world.select(id)?;
+            self.cell.select(id)?;
         }
-        let shapes = self.world.shapes(pair);
+        let shapes = self.cell.shapes(pair);
         for (id, shape) in [pair.a, pair.b].into_iter().zip(shapes) {
             self.range_bodies.entry(id).or_insert_with(|| RangeBody::new(shape));
         }
@@ -298,15 +298,15 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Returns the joints between two bodies that are prepared.
-    fn chain(&self, pair: WorldPair, low: &[f64], high: &[f64]) -> Result<Chain, PlanError> {
+    fn chain(&self, pair: CellPair, low: &[f64], high: &[f64]) -> Result<Chain, PlanError> {
         let [a, b] = [pair.a, pair.b].map(|id| self.chain_end(id, self.range_bodies[&id].reach()));
         Ok(Chain::new(&a?, &b?, low, high))
     }
 
-    fn chain_end(&self, id: WorldId, reach: f64) -> Result<ChainEnd, PlanError> {
+    fn chain_end(&self, id: CellBody, reach: f64) -> Result<ChainEnd, PlanError> {
         let places = &self.pairs.places;
         let (path, pose) = match (id, places.mover(id)) {
-            (WorldId::Obstacle(k), _) => (None, places.obstacle_poses[k]),
+            (CellBody::Obstacle(k), _) => (None, places.obstacle_poses[k]),
             (_, mover) => {
                 let (body, carried) = places.carrier(mover.unwrap_or_default());
                 let path = self.space.joint_path(body).ok_or(PlanError::WithoutJoints(id))?;

@@ -21,7 +21,7 @@ use crate::check::apart::{ApartBoxes, BoxTree, Node};
 use crate::check::checker::Checker;
 use crate::error::PlanError;
 use crate::motion::space::{ConfigurationSpace, JointPath};
-use crate::names::{WorldId, WorldPair};
+use crate::names::{CellBody, CellPair};
 use lin_canny::{Geometry, Progress};
 
 /// Largest number of coordinates that move a pair with boxes: each multiplies their number.
@@ -45,7 +45,7 @@ impl fmt::Debug for PairBoxes {
 
 impl PairBoxes {
     /// Returns each pair with the share of the joint limits in which its boxes prove it apart.
-    pub fn pairs(&self) -> impl Iterator<Item = (WorldPair, f64)> {
+    pub fn pairs(&self) -> impl Iterator<Item = (CellPair, f64)> {
         self.pairs.iter().map(|one| (one.pair, one.boxes.share))
     }
 
@@ -61,7 +61,7 @@ impl PairBoxes {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, World};
+    /// # use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, Cell};
     /// # use core::ops::ControlFlow;
     /// use lin_canny::Progress;
     /// use lin_canny_plan::PairBoxes;
@@ -69,11 +69,11 @@ impl PairBoxes {
     /// // Two blocks on one rail.
     /// let rail = || Joint::prismatic(Isometry3::identity(), Vector3::x_axis(), [0.0, 4.0]);
     /// let rails = JointTree::serial(Isometry3::identity(), vec![rail(), rail()], vec![1, 2], 0.1)?;
-    /// let mut world = World::new();
+    /// let mut cell = Cell::new();
     /// let block = solids::cuboid(Vector3::repeat(0.5))?;
-    /// world.robot_body("first", block.clone());
-    /// world.robot_body("second", block);
-    /// let mut checker = Checker::new(rails, world)?;
+    /// cell.robot_body("first", block.clone());
+    /// cell.robot_body("second", block);
+    /// let mut checker = Checker::new(rails, cell)?;
     ///
     /// let mut show = |_: Progress| ControlFlow::Continue(()); // here a bar is drawn
     /// let boxes = PairBoxes::search(&mut checker, 100, &mut show)?;
@@ -92,7 +92,7 @@ impl PairBoxes {
     ) -> Result<Self, PlanError> {
         let [low, high] = checker.range_of_limits()?;
         let own = checker.pairs.own.values().map(|k| checker.pairs.all[*k].pair);
-        let pairs: Vec<WorldPair> = own.filter(|pair| checker.has_few_joints(*pair)).collect();
+        let pairs: Vec<CellPair> = own.filter(|pair| checker.has_few_joints(*pair)).collect();
         let mut found = Vec::with_capacity(pairs.len());
         let mut is_stopped = false;
         for pair in pairs {
@@ -105,7 +105,7 @@ impl PairBoxes {
             })?;
             found.push(Arc::new(ApartBoxes {
                 pair,
-                kept: checker.world.kept_distance(pair),
+                kept: checker.cell.kept_distance(pair),
                 paths: checker.paths_of(pair),
                 boxes,
             }));
@@ -114,7 +114,7 @@ impl PairBoxes {
             }
         }
         Ok(Self {
-            robot: checker.world.robot.clone(),
+            robot: checker.cell.robot.clone(),
             pairs: found,
         })
     }
@@ -127,14 +127,14 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// the planners look up each of these pairs before they query it. Verdicts stay; only
     /// within rounding of the margin a box may prove a segment free that is undecided without. A pair
     /// that must keep more than its boxes prove is queried as before, and so are all pairs inside
-    /// tubes and if contacts at the start are accepted. Changes of the world keep the boxes.
+    /// tubes and if contacts at the start are accepted. Changes of the cell keep the boxes.
     /// [`fork`](Self::fork) hands them on.
     ///
     /// # Errors
-    /// Returns an error if the boxes were not made for copies of this robot: of its world, whose
+    /// Returns an error if the boxes were not made for copies of this robot: of its cell, whose
     /// bodies all copies share, and of its joints. Then nothing changes.
     pub fn set_pair_boxes(&mut self, boxes: &PairBoxes) -> Result<(), PlanError> {
-        if !Arc::ptr_eq(&boxes.robot, &self.world.robot) {
+        if !Arc::ptr_eq(&boxes.robot, &self.cell.robot) {
             let what = "the bodies of the robot are not those of the pairs";
             return Err(PlanError::OtherPairBoxes(what.into()));
         }
@@ -150,7 +150,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the limits of all coordinates.
     fn range_of_limits(&self) -> Result<[Vec<f64>; 2], PlanError> {
-        self.check_world()?;
+        self.check_cell()?;
         let bounds = self.space.bounds();
         if bounds.len() != self.space.coordinates() {
             return Err(PlanError::Value {
@@ -164,15 +164,15 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Returns the joints that move each body of a pair.
-    fn paths_of(&self, pair: WorldPair) -> [Option<JointPath>; 2] {
+    fn paths_of(&self, pair: CellPair) -> [Option<JointPath>; 2] {
         [pair.a, pair.b].map(|id| match id {
-            WorldId::Robot(body) => self.space.joint_path(body),
+            CellBody::Robot(body) => self.space.joint_path(body),
             _ => None,
         })
     }
 
     /// Returns whether a pair of robot bodies has few coordinates that move it.
-    fn has_few_joints(&self, pair: WorldPair) -> bool {
+    fn has_few_joints(&self, pair: CellPair) -> bool {
         let [Some(a), Some(b)] = self.paths_of(pair) else {
             return false;
         };

@@ -9,7 +9,7 @@ use super::verdict::{RangeAnswer, RangeCell, RangeOptions};
 use crate::check::checker::Checker;
 use crate::error::PlanError;
 use crate::motion::space::ConfigurationSpace;
-use crate::names::WorldPair;
+use crate::names::CellPair;
 use lin_canny::PairTracker;
 
 /// Proves boxes of configurations for a pair.
@@ -48,7 +48,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Calls a function with the prover of a pair over boxes within a range of all coordinates.
     pub(crate) fn with_prover<R>(
         &mut self,
-        pair: WorldPair,
+        pair: CellPair,
         low: &[f64],
         high: &[f64],
         call: impl FnOnce(&mut PairProver<'_>) -> Result<R, PlanError>,
@@ -61,9 +61,9 @@ impl<C: ConfigurationSpace> Checker<C> {
             places.carry(poses);
             [pair.a, pair.b].map(|id| *places.pose(id, poses))
         };
-        let shapes = self.world.shapes(pair);
+        let shapes = self.cell.shapes(pair);
         let bodies = [pair.a, pair.b].map(|id| &self.range_bodies[&id]);
-        let kept = self.world.kept_distance(pair);
+        let kept = self.cell.kept_distance(pair);
         let range: Vec<[f64; 2]> = low.iter().zip(high).map(|(low, high)| [*low, *high]).collect();
         let mut search = Search {
             shapes,

@@ -15,7 +15,7 @@ use crate::cell::range_body::RangeBody;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::fingerprint::Fingerprint;
-use crate::names::WorldPair;
+use crate::names::CellPair;
 use crate::random::Random;
 use lin_canny::{ContactState, Geometry, Outcome, PairTracker, Progress, RelativePose};
 
@@ -112,7 +112,7 @@ pub(super) struct Search<'a> {
 
 impl RangeAnswer {
     /// Returns the answer before the first cell.
-    pub(super) fn new(pair: WorldPair, range: Vec<[f64; 2]>) -> Self {
+    pub(super) fn new(pair: CellPair, range: Vec<[f64; 2]>) -> Self {
         Self {
             pair,
             verdict: RangeVerdict::Open { share: 1.0 },

@@ -5,8 +5,8 @@ use std::vec::Vec;
 
 use nalgebra::Vector3;
 
-use crate::cell::world::Named;
-use crate::names::WorldPair;
+use crate::cell::Named;
+use crate::names::CellPair;
 
 /// How far a proof over a range goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,7 +128,7 @@ pub struct RangeCell {
 #[non_exhaustive]
 pub struct RangeAnswer {
     /// The pair.
-    pub pair: WorldPair,
+    pub pair: CellPair,
     /// The range: least and greatest value of each coordinate.
     pub range: Vec<[f64; 2]>,
     /// The verdict.
@@ -196,7 +196,7 @@ impl fmt::Display for Named<'_, RangeAnswer> {
     /// Writes the names of the pair, the verdict and its clearance.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let answer = self.value;
-        let pair = self.world.show(&answer.pair);
+        let pair = self.cell.show(&answer.pair);
         match &answer.verdict {
             RangeVerdict::Never => write!(f, "{pair} never meet: {:?} to {:?} apart", answer.lower, answer.upper),
             RangeVerdict::Always => write!(f, "{pair} always meet"),

@@ -10,7 +10,7 @@
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
 //! use lin_canny::polyhedron::solids;
 //! use lin_canny_plan::receipt::Receipt;
-//! use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, World};
+//! use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, Cell};
 //!
 //! // Two links in the plane, and a post.
 //! let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
@@ -19,12 +19,12 @@
 //! let arm = JointTree::serial(at(0.0), joints, vec![1, 2], 1.0)?;
 //! let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05))?;
 //! let rod = rod.transformed(&at(0.5))?;
-//! let mut world = World::new();
-//! world.robot_body("upper arm", rod.clone());
-//! world.robot_body("fore arm", rod);
+//! let mut cell = Cell::new();
+//! cell.robot_body("upper arm", rod.clone());
+//! cell.robot_body("fore arm", rod);
 //! let post = solids::cuboid(Vector3::new(0.1, 0.1, 1.0))?;
-//! world.add_obstacle("post", post, at(2.2))?;
-//! let mut checker = Checker::new(arm, world)?;
+//! cell.add_obstacle("post", post, at(2.2))?;
+//! let mut checker = Checker::new(arm, cell)?;
 //!
 //! let receipt = Receipt::motion(&mut checker, &JointMotion::segment(&[0.8, 0.2], &[0.5, 1.4]))?;
 //! let text = receipt.to_string();

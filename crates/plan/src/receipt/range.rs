@@ -23,7 +23,7 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::motion::joint::JointKind;
 use crate::motion::space::ConfigurationSpace;
-use crate::names::WorldPair;
+use crate::names::CellPair;
 use crate::range::{RangeAnswer, RangeVerdict};
 use crate::tolerance::RECEIPT;
 use lin_canny::motion::Velocity;
@@ -53,17 +53,17 @@ impl Receipt {
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
     /// use lin_canny_plan::receipt::Receipt;
-    /// use lin_canny_plan::{Checker, Joint, RangeOptions, RangeProver, JointTree, World};
+    /// use lin_canny_plan::{Checker, Joint, RangeOptions, RangeProver, JointTree, Cell};
     ///
     /// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
     /// let turn = |x: f64| Joint::revolute(at(x), Vector3::z_axis(), [-3.0, 3.0]);
     /// let arm = JointTree::serial(at(0.0), vec![turn(0.0), turn(1.0)], vec![2], 1.0)?;
     /// let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05))?;
-    /// let mut world = World::new();
-    /// world.robot_body("fore arm", rod.transformed(&at(0.5))?);
+    /// let mut cell = Cell::new();
+    /// cell.robot_body("fore arm", rod.transformed(&at(0.5))?);
     /// let post = solids::cuboid(Vector3::new(0.1, 0.1, 1.0))?;
-    /// world.add_obstacle("post", post, at(1.5))?;
-    /// let mut checker = Checker::new(arm, world)?;
+    /// cell.add_obstacle("post", post, at(1.5))?;
+    /// let mut checker = Checker::new(arm, cell)?;
     ///
     /// let options = RangeOptions::default();
     /// let answers = RangeProver::new(&options).all_pairs(&mut checker, &[1.0, -1.0], &[2.0, 1.0])?;
@@ -83,7 +83,7 @@ impl Receipt {
         let [low, high] = [0, 1].map(|k| range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
         let segment = checker.segment(&low, &high)?;
         let mut stated = Stated::new(checker, &segment)?;
-        let known: BTreeMap<WorldPair, &RangeAnswer> = answers.iter().map(|answer| (answer.pair, answer)).collect();
+        let known: BTreeMap<CellPair, &RangeAnswer> = answers.iter().map(|answer| (answer.pair, answer)).collect();
         let excluded = |ignored: &Ignored| ignored.why == EXCLUDED;
         let (others, rigid): (Vec<_>, Vec<_>) = core::mem::take(&mut stated.scene.ignored)
             .into_iter()
@@ -100,7 +100,7 @@ impl Receipt {
         for (pair, why) in all {
             let id = stated.pair(pair);
             let answer = id.and_then(|id| known.get(&id)).filter(|answer| answer.is_never());
-            let keep = id.map_or(0.0, |id| checker.world.kept_distance(id));
+            let keep = id.map_or(0.0, |id| checker.cell.kept_distance(id));
             let found = answer.and_then(|_| Divided::lines(&stated.scene, pair, keep, range, cells));
             match found {
                 Some(cells) => proven.push((pair, keep, cells)),

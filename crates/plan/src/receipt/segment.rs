@@ -14,17 +14,17 @@ use crate::check::verdict::Verdict;
 use crate::extremes::Extremes;
 use crate::motion::joint_motion::{JointMotion, Tube};
 use crate::motion::space::{ConfigurationSpace, SegmentMotion};
-use crate::names::{WorldId, WorldPair};
+use crate::names::{CellBody, CellPair};
 use lin_canny::Geometry;
 
 /// The reasons of pairs that are not looked at.
 pub(super) const EXCLUDED: &str = "excluded";
 const RIGID: &str = "the bodies keep their relative pose";
 
-/// The bodies of a world in a receipt.
+/// The bodies of a cell in a receipt.
 pub(super) struct Stated {
     pub(super) scene: Scene,
-    ids: Vec<WorldId>,
+    ids: Vec<CellBody>,
     /// The pairs that must have evidence, and what they must keep.
     pub(super) pairs: Vec<([usize; 2], f64)>,
     margin: f64,
@@ -47,18 +47,18 @@ impl Receipt {
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
     /// use lin_canny_plan::receipt::Receipt;
-    /// use lin_canny_plan::{Checker, Joint, JointCurve, JointMotion, JointTree, World};
+    /// use lin_canny_plan::{Checker, Joint, JointCurve, JointMotion, JointTree, Cell};
     ///
     /// // A block on two rails flies over a post along a parabola.
     /// let origin = Isometry3::identity();
     /// let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
     /// let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
     /// let block = JointTree::serial(origin, rails, vec![2], 0.1)?;
-    /// let mut world = World::new();
-    /// world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
+    /// let mut cell = Cell::new();
+    /// cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
     /// let post = solids::cuboid(Vector3::repeat(0.5))?;
-    /// world.add_obstacle("post", post, origin)?;
-    /// let mut checker = Checker::new(block, world)?;
+    /// cell.add_obstacle("post", post, origin)?;
+    /// let mut checker = Checker::new(block, cell)?;
     ///
     /// let curve = JointCurve::bezier(&[[-2.0, 0.0], [0.0, 1.7], [2.0, 0.0]])?;
     /// let receipt = Receipt::motion(&mut checker, &JointMotion::curve(&curve))?;
@@ -115,7 +115,7 @@ impl Receipt {
             }
             if let Some((hit, pair)) = blocked {
                 let numbers = stated.numbers(pair);
-                let kept = checker.world.kept_distance(pair);
+                let kept = checker.cell.kept_distance(pair);
                 let line = contact(&stated.scene, leg.rows(), numbers, [until, hit], 1.0, kept)?;
                 leg.evidence.push(line);
             }
@@ -166,32 +166,32 @@ impl Leg {
 
 impl Stated {
     pub(super) fn new<C: ConfigurationSpace>(checker: &Checker<C>, segment: &C::Segment) -> Result<Self, ReceiptError> {
-        let world = &checker.world;
+        let cell = &checker.cell;
         let (mut scene, mut ids) = (Scene::default(), Vec::new());
         let identity = Isometry3::identity();
-        for (k, (name, geometry)) in world.robot_bodies().enumerate() {
+        for (k, (name, geometry)) in cell.robot_bodies().enumerate() {
             add(&mut scene, checker, segment, (name, geometry), k, &identity)?;
-            ids.push(WorldId::Robot(k));
+            ids.push(CellBody::Robot(k));
         }
-        for (id, object) in world.attached() {
-            let body = world.body_of(object.frame);
+        for (id, object) in cell.attached() {
+            let body = cell.body_of(object.frame);
             let named = (object.name.as_str(), &object.geometry);
             add(&mut scene, checker, segment, named, body, &object.pose)?;
             ids.push(id);
         }
-        for (k, obstacle) in world.obstacles.iter().enumerate() {
+        for (k, obstacle) in cell.obstacles.iter().enumerate() {
             let Some((name, geometry, pose)) = obstacle else {
                 continue;
             };
             scene.bodies.push(Body::new(name, geometry, Way::Rests(*pose))?);
-            ids.push(WorldId::Obstacle(k));
+            ids.push(CellBody::Obstacle(k));
         }
         scene.settle();
         let mut stated = Self {
             scene,
             ids,
             pairs: Vec::new(),
-            margin: world.margin(),
+            margin: cell.margin(),
         };
         stated.take_pairs(checker);
         Ok(stated)
@@ -202,7 +202,7 @@ impl Stated {
         if motion.tube != Tube::None {
             return Err(ReceiptError::Tube);
         }
-        checker.world.check_at_rest()?;
+        checker.cell.check_at_rest()?;
         let first = checker.moved(motion, 0)?;
         Self::new(checker, &first)?.of_several(motion.pieces())
     }
@@ -225,18 +225,18 @@ impl Stated {
     /// Sorts the pairs into those that must have evidence and those that are not looked at.
     fn take_pairs<C: ConfigurationSpace>(&mut self, checker: &Checker<C>) {
         let measured = checker.pairs.ordered().into_iter().map(|k| &checker.pairs.all[k]);
-        let measured: BTreeMap<WorldPair, f64> = measured.map(|tracked| (tracked.pair, tracked.kept)).collect();
+        let measured: BTreeMap<CellPair, f64> = measured.map(|tracked| (tracked.pair, tracked.kept)).collect();
         let moves: Vec<bool> = (0..self.ids.len()).map(|k| self.scene.moves(k)).collect();
         for a in 0..self.ids.len() {
             for b in a + 1..self.ids.len() {
-                let Some(pair) = WorldPair::new(self.ids[a], self.ids[b]).filter(|_| moves[a] || moves[b]) else {
+                let Some(pair) = CellPair::new(self.ids[a], self.ids[b]).filter(|_| moves[a] || moves[b]) else {
                     continue;
                 };
                 if let Some(kept) = measured.get(&pair) {
                     self.pairs.push(([a, b], *kept));
                     continue;
                 }
-                let is_excluded = checker.world.excluded.contains(&pair);
+                let is_excluded = checker.cell.excluded.contains(&pair);
                 let why = if is_excluded { EXCLUDED } else { RIGID }.into();
                 self.scene.ignored.push(Ignored { pair: [a, b], why });
             }
@@ -248,12 +248,12 @@ impl Stated {
     }
 
     /// Returns the pair of two numbers of bodies.
-    pub(super) fn pair(&self, [a, b]: [usize; 2]) -> Option<WorldPair> {
-        WorldPair::new(self.ids[a], self.ids[b])
+    pub(super) fn pair(&self, [a, b]: [usize; 2]) -> Option<CellPair> {
+        CellPair::new(self.ids[a], self.ids[b])
     }
 
     /// Returns the numbers of the bodies of a pair.
-    fn numbers(&self, pair: WorldPair) -> [usize; 2] {
+    fn numbers(&self, pair: CellPair) -> [usize; 2] {
         [pair.a, pair.b].map(|id| self.ids.iter().position(|x| *x == id).unwrap_or_default())
     }
 
@@ -264,9 +264,9 @@ impl Stated {
         until: f64,
         proofs: &[PairProof],
     ) -> Result<Vec<String>, ReceiptError> {
-        let known: BTreeMap<WorldPair, &PairProof> = proofs.iter().map(|proof| (proof.pair, proof)).collect();
+        let known: BTreeMap<CellPair, &PairProof> = proofs.iter().map(|proof| (proof.pair, proof)).collect();
         let wanted = self.pairs.iter().map(|(pair, keep)| {
-            let of = WorldPair::new(self.ids[pair[0]], self.ids[pair[1]]);
+            let of = CellPair::new(self.ids[pair[0]], self.ids[pair[1]]);
             let proof = of.and_then(|pair| known.get(&pair));
             Wanted {
                 pair: *pair,

@@ -63,14 +63,14 @@ pub(crate) struct Slice {
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
-    /// Measures a configuration. The clearance of a world without pairs is infinite.
+    /// Measures a configuration. The clearance of a cell without pairs is infinite.
     ///
     /// If pairs must keep different distances, the clearance is the least excess over them, plus
     /// the margin.
     pub(crate) fn place(&mut self, q: Vec<f64>, slack: f64) -> Result<ClearConfiguration, PlanError> {
         let is_uniform = self.pairs.is_uniform;
         let spread = if is_uniform { 0.0 } else { self.pairs.spread() };
-        let (margin, scales) = (self.world.margin(), self.space.scales().to_vec());
+        let (margin, scales) = (self.cell.margin(), self.space.scales().to_vec());
         let near = self.nearest(&q, slack + spread)?;
         let value = |near: &NearPair| {
             if is_uniform {

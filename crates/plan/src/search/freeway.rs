@@ -123,7 +123,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let Some(place) = passed.pop() else {
             return Ok(Tried::Lost(FreewayEnd::Inflection));
         };
-        Ok(if !(place.distance > self.world.margin()) {
+        Ok(if !(place.distance > self.cell.margin()) {
             Tried::Lost(FreewayEnd::Closed)
         } else if self.space.distance(&guess, &place.q) > HOP * way || !self.is_segment_free(here, &place.q)? {
             Tried::Lost(FreewayEnd::Inflection)

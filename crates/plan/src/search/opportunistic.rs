@@ -147,7 +147,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         let random = &mut self.random;
         let sample = self.checker.space.sample(&mut || random.uniform());
         let mut passed = self.checker.ascend(sample, slice)?;
-        let margin = self.checker.world.margin();
+        let margin = self.checker.cell.margin();
         passed.retain(|place| place.distance > margin);
         let mut places = passed.into_iter();
         let Some(first) = places.next() else {
@@ -224,7 +224,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         if self.roadmap.nodes[foot] != top.q {
             return Ok(());
         }
-        let least = self.checker.world.margin() + CLOSED * slice.shortest;
+        let least = self.checker.cell.margin() + CLOSED * slice.shortest;
         for (tip, end) in self.follow((foot, &top), coordinate, &slice, depth)? {
             // If a channel has closed, its slice contains nothing of it.
             let q = self.roadmap.nodes[tip].clone();

@@ -34,13 +34,13 @@ type Watch<'a> = Option<&'a mut dyn FnMut(Progress) -> ControlFlow<()>>;
 /// ```
 /// use lin_canny::nalgebra::Isometry3;
 /// use lin_canny::{Progress, Shape};
-/// use lin_canny_plan::{Checker, PlanOptions, RrtConnect, TranslationSpace, World};
+/// use lin_canny_plan::{Checker, PlanOptions, RrtConnect, TranslationSpace, Cell};
 ///
-/// let mut world = World::new();
-/// world.robot_body("drone", Shape::ball(0.1)?);
-/// world.add_obstacle("mast", Shape::ball(0.5)?, Isometry3::identity())?;
+/// let mut cell = Cell::new();
+/// cell.robot_body("drone", Shape::ball(0.1)?);
+/// cell.add_obstacle("mast", Shape::ball(0.5)?, Isometry3::identity())?;
 /// let space = TranslationSpace::new([[-2.0, 2.0]; 3], Default::default(), 1)?;
-/// let mut checker = Checker::new(space, world)?;
+/// let mut checker = Checker::new(space, cell)?;
 ///
 /// let options = PlanOptions::default().seed(1);
 /// let mut stop = |now: Progress| Progress::stop_if(now.done > 100_000);
@@ -160,7 +160,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             let near = self.nearest(q, slack)?;
             let blocked = near
                 .iter()
-                .filter(|near| !(near.lower > self.world.kept_distance(near.pair)));
+                .filter(|near| !(near.lower > self.cell.kept_distance(near.pair)));
             if let Some(near) = blocked.min_by(|x, y| x.excess.total_cmp(&y.excess)) {
                 let (a, b) = (self.name(near.pair.a).to_string(), self.name(near.pair.b).to_string());
                 return Err(PlanError::Contact { end, a, b });
@@ -223,7 +223,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             fixed: std::vec![false; self.space.degrees_of_freedom()],
             longest: LONGEST * extent,
             shortest: SHORTEST * extent,
-            clearance_cap: clearance_cap + self.world.margin(),
+            clearance_cap: clearance_cap + self.cell.margin(),
         })
     }
 }

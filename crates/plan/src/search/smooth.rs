@@ -185,18 +185,18 @@ impl<'a> Smoother<'a> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, SmoothOptions, Smoother, World};
+    /// use lin_canny_plan::{Checker, Joint, JointMotion, JointTree, SmoothOptions, Smoother, Cell};
     ///
     /// // A block on two rails, x and y, goes around a post.
     /// let origin = Isometry3::identity();
     /// let rail = |axis| Joint::prismatic(origin, axis, [-2.0, 2.0]);
     /// let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
     /// let block = JointTree::serial(origin, rails, vec![2], 0.1)?;
-    /// let mut world = World::new();
-    /// world.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
+    /// let mut cell = Cell::new();
+    /// cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1))?);
     /// let post = solids::cuboid(Vector3::repeat(0.5))?;
-    /// world.add_obstacle("post", post, origin)?;
-    /// let mut checker = Checker::new(block, world)?;
+    /// cell.add_obstacle("post", post, origin)?;
+    /// let mut checker = Checker::new(block, cell)?;
     ///
     /// let path = [[-1.0, 0.0], [-1.0, 1.0], [1.0, 1.0], [1.0, 0.0]];
     /// let path = path.map(Vec::from);
@@ -489,7 +489,7 @@ fn blend([one, other]: [&Leg; 2], reach: f64, options: &SmoothOptions) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cell::world::World;
+    use crate::cell::Cell;
     use crate::motion::joint::Joint;
     use crate::motion::tree::JointTree;
     use lin_canny::polyhedron::solids;
@@ -502,12 +502,11 @@ mod tests {
         let rails = std::vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
         let arm = JointTree::serial(origin, rails, std::vec![2], 0.1).expect("an arm");
         let cube = |half: f64| solids::cuboid(Vector3::repeat(half)).expect("a box");
-        let mut world = World::new();
-        world.robot_body("block", cube(0.1));
-        world
-            .add_obstacle("post", cube(0.1), Isometry3::translation(5.0, 5.0, 0.0))
+        let mut cell = Cell::new();
+        cell.robot_body("block", cube(0.1));
+        cell.add_obstacle("post", cube(0.1), Isometry3::translation(5.0, 5.0, 0.0))
             .expect("an obstacle");
-        Checker::new(arm, world).expect("a world")
+        Checker::new(arm, cell).expect("a cell")
     }
 
     /// Legs and corners that are planned for limits which are larger than those of the options.

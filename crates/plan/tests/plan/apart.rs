@@ -5,8 +5,8 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, HalfSpace, Mesh, Shape};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, TimedPoses, TreeJoint, Verdict,
-    World, WorldId,
+    Cell, CellBody, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, TimedPoses,
+    TreeJoint, Verdict,
 };
 use truth::rng::Rng;
 
@@ -53,58 +53,55 @@ fn geometry(rng: &mut Rng) -> Geometry {
 
 /// Carts with an object on one of them, above a floor, with random margins and paddings.
 fn scene(rng: &mut Rng, is_moving: bool) -> Checker<JointTree> {
-    let mut world = World::new();
+    let mut cell = Cell::new();
     let names: Vec<String> = (0..CARTS).map(|k| format!("cart {k}")).collect();
     for name in &names {
-        world.robot_body(name, geometry(rng));
+        cell.robot_body(name, geometry(rng));
     }
     let floor = Isometry3::translation(0.0, 0.0, -0.35);
-    world
-        .add_obstacle("floor", HalfSpace::new(Vector3::z(), 0.0).expect("a half-space"), floor)
+    cell.add_obstacle("floor", HalfSpace::new(Vector3::z(), 0.0).expect("a half-space"), floor)
         .expect("an obstacle");
     let corner =
         |rng: &mut Rng| Isometry3::translation(rng.range(-1.5, 1.5), rng.range(-1.5, 1.5), rng.range(-0.1, 0.1));
-    world
-        .add_obstacle("post", geometry(rng), corner(rng))
+    cell.add_obstacle("post", geometry(rng), corner(rng))
         .expect("an obstacle");
     if is_moving {
         let poses = [corner(rng), corner(rng)];
-        world
-            .add_moving_obstacle(
-                "drone",
-                geometry(rng),
-                TimedPoses::new(&[0.0, 1.0], &poses).expect("poses"),
-            )
-            .expect("an obstacle");
+        cell.add_moving_obstacle(
+            "drone",
+            geometry(rng),
+            TimedPoses::new(&[0.0, 1.0], &poses).expect("poses"),
+        )
+        .expect("an obstacle");
     }
-    let mut checker = Checker::new(carts(9.0), world).expect("a world");
+    let mut checker = Checker::new(carts(9.0), cell).expect("a world");
     let grip = Isometry3::translation(rng.range(-0.3, 0.3), rng.range(-0.3, 0.3), rng.range(-0.1, 0.1));
     checker
-        .world_mut()
+        .cell_mut()
         .attach("cart 0", "load", geometry(rng), grip, &["cart 0"])
         .expect("a load");
     if rng.chance(0.7) {
         checker
-            .world_mut()
+            .cell_mut()
             .set_margin(rng.log_range(1e-3, 0.3))
             .expect("a margin");
     }
     if rng.chance(0.4) {
         checker
-            .world_mut()
+            .cell_mut()
             .pad(rng.pick(&names).as_str(), rng.log_range(1e-3, 0.3))
             .expect("a padding");
     }
     if rng.chance(0.3) {
         checker
-            .world_mut()
+            .cell_mut()
             .pad("load", rng.log_range(1e-3, 0.2))
             .expect("a padding");
     }
     if rng.chance(0.5) {
         let margin = Some(rng.log_range(1e-3, 0.6));
         checker
-            .world_mut()
+            .cell_mut()
             .set_pair_margin("cart 1", "cart 2", margin)
             .expect("a margin");
     }
@@ -127,7 +124,7 @@ struct Tally {
 }
 
 fn is_own(verdict: &Verdict) -> bool {
-    matches!(verdict, Verdict::Blocked { pair, .. } if !matches!(pair.b, WorldId::Obstacle(_)))
+    matches!(verdict, Verdict::Blocked { pair, .. } if !matches!(pair.b, CellBody::Obstacle(_)))
 }
 
 fn judged(cases: u64, places: u32, seed: u64) -> Tally {
@@ -136,7 +133,7 @@ fn judged(cases: u64, places: u32, seed: u64) -> Tally {
         let mut rng = Rng::of_case(seed, case);
         let mode = case % 5;
         let mut checker = scene(&mut rng, mode == 1);
-        let mut judge = Checker::new(carts(9.0), checker.world().clone()).expect("a world");
+        let mut judge = Checker::new(carts(9.0), checker.cell().clone()).expect("a world");
         let times = |t: f64| if mode == 1 { Some(t) } else { None };
         // Begin where all distances are kept, or nearly so.
         let within = if mode == 4 { [-0.1, 0.0] } else { [0.0, f64::INFINITY] };
@@ -253,11 +250,11 @@ fn verdicts_of_carts_equal_those_of_all_pairs_at_1000_places() {
 
 /// Two balls that pass each other along x, at this distance along y.
 fn passing(radius: f64, apart: f64) -> (Checker<JointTree>, [Vec<f64>; 2]) {
-    let mut world = World::new();
+    let mut cell = Cell::new();
     for k in 0..CARTS {
-        world.robot_body(k, Shape::ball(radius).expect("a ball"));
+        cell.robot_body(k, Shape::ball(radius).expect("a ball"));
     }
-    let checker = Checker::new(carts(1e2 * radius), world).expect("a world");
+    let checker = Checker::new(carts(1e2 * radius), cell).expect("a world");
     let far = 50.0 * radius;
     let at = |x: f64| vec![-x, 0.0, 0.0, x, apart, 0.0, far, far, 0.0];
     (checker, [at(radius), at(-radius)])
@@ -277,13 +274,13 @@ fn margins_at_the_distance_of_the_boxes_are_decided() {
             let kept = gap * (1.0 + off);
             let expected = off < 0.0;
             let mut found = Vec::new();
-            checker.world_mut().set_margin(kept).expect("a margin");
+            checker.cell_mut().set_margin(kept).expect("a margin");
             found.push(checker.certify(&JointMotion::segment(&from, &to)));
             found.push(checker.certify(&JointMotion::curve(&curve)));
             let is_proven = crate::prove(&mut checker, &JointMotion::segment(&from, &to))
                 .expect("a motion")
                 .is_some();
-            checker.world_mut().set_margin(0.0).expect("a margin");
+            checker.cell_mut().set_margin(0.0).expect("a margin");
             // A tube counts twice for two movers, once for each; the tube of joints as it is.
             found.push(
                 checker.certify(
@@ -295,17 +292,17 @@ fn margins_at_the_distance_of_the_boxes_are_decided() {
             let tube: Vec<f64> = tube.iter().map(|x| x * kept).collect();
             found.push(checker.certify(&JointMotion::curve(&curve).with_tube(&tube).expect("a motion")));
             checker
-                .world_mut()
+                .cell_mut()
                 .set_pair_margin("0", "1", Some(kept))
                 .expect("a margin");
             found.push(checker.certify(&JointMotion::segment(&from, &to)));
-            checker.world_mut().set_pair_margin("0", "1", None).expect("a margin");
+            checker.cell_mut().set_pair_margin("0", "1", None).expect("a margin");
             for name in ["0", "1"] {
-                checker.world_mut().pad(name, 0.5 * kept).expect("a padding");
+                checker.cell_mut().pad(name, 0.5 * kept).expect("a padding");
             }
             found.push(checker.certify(&JointMotion::segment(&from, &to)));
             for name in ["0", "1"] {
-                checker.world_mut().pad(name, 0.0).expect("a padding");
+                checker.cell_mut().pad(name, 0.0).expect("a padding");
             }
             for (k, verdict) in found.into_iter().enumerate() {
                 let verdict = verdict.expect("a motion");
@@ -342,7 +339,7 @@ fn contacts_at_the_start_are_listed_up_to_their_margin() {
             (0.0, 0.99),
             (1.5, 0.99),
         ] {
-            checker.world_mut().set_margin(margin * gap).expect("a margin");
+            checker.cell_mut().set_margin(margin * gap).expect("a margin");
             checker.set_start_contact_margin(Some(contact * gap)).expect("a margin");
             let verdict = checker.certify(&JointMotion::segment(&from, &to)).expect("a motion");
             assert_eq!(

@@ -4,7 +4,7 @@ use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, RigidSpace, TreeJoint, World,
+    Cell, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, RigidSpace, TreeJoint,
 };
 
 /// The ends of the arc, in radians.
@@ -38,28 +38,28 @@ fn lever(far: f64, is_own: bool, unit: f64) -> Checker<JointTree> {
         TreeJoint::fixed(1, Isometry3::translation(0.5 * unit, 0.0, 0.0)),
         TreeJoint::fixed(0, at),
     ];
-    let mut world = World::new();
-    world.robot_body("rod", rod(0.5, unit));
+    let mut cell = Cell::new();
+    cell.robot_body("rod", rod(0.5, unit));
     let mut links = vec![2];
     if is_own {
-        world.robot_body("post", post);
+        cell.robot_body("post", post);
         links.push(3);
     } else {
-        world.add_obstacle("post", post, at).expect("an obstacle");
+        cell.add_obstacle("post", post, at).expect("an obstacle");
     }
     let radii = vec![0.0, 0.0, unit, 2.0 * unit];
     let lever = JointTree::new(Isometry3::identity(), joints, vec![[-3.0, 3.0]], links, radii).expect("a lever");
-    Checker::new(lever, world).expect("a world")
+    Checker::new(lever, cell).expect("a world")
 }
 
 /// A rod that turns about its middle.
 fn propeller(far: f64, unit: f64) -> Checker<RigidSpace> {
-    let mut world = World::new();
-    world.robot_body("rod", rod(1.0, unit));
+    let mut cell = Cell::new();
+    cell.robot_body("rod", rod(1.0, unit));
     let (post, at) = post(far, unit);
-    world.add_obstacle("post", post, at).expect("an obstacle");
+    cell.add_obstacle("post", post, at).expect("an obstacle");
     let space = RigidSpace::new([[-4.0 * unit, 4.0 * unit]; 3], unit, 1).expect("a space");
-    Checker::new(space, world).expect("a world")
+    Checker::new(space, cell).expect("a world")
 }
 
 fn agrees<C: ConfigurationSpace>(checker: &mut Checker<C>, ends: [&[f64]; 2], is_free: bool, what: &str) {

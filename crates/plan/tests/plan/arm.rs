@@ -12,18 +12,17 @@ use truth::arm::{self, motion};
 fn checker(window: f64) -> Checker<JointTree> {
     const TOP: f64 = 1.7;
     const SILL: f64 = 0.4;
-    let (arm, mut world) = arm::in_cell().expect("the built-in cell");
+    let (arm, mut cell) = arm::in_cell().expect("the built-in cell");
     for (name, x, [low, high]) in [
         ("sill", 0.65, [0.0, SILL]),
         ("lintel", 0.65, [SILL + window, TOP]),
         ("back wall", -0.65, [0.0, TOP]),
     ] {
         let wall = solids::cuboid(Vector3::new(0.5, 0.01, 0.5 * (high - low))).expect("a box");
-        world
-            .add_obstacle(name, wall, Isometry3::translation(x, 0.0, 0.5 * (low + high)))
+        cell.add_obstacle(name, wall, Isometry3::translation(x, 0.0, 0.5 * (low + high)))
             .expect("an obstacle");
     }
-    Checker::new(arm, world).expect("a cell")
+    Checker::new(arm, cell).expect("a cell")
 }
 
 /// Every configuration of a dense sample is apart, by distances alone.

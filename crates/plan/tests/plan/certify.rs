@@ -6,7 +6,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
 use lin_canny::{Compound, Mesh, Piece, Shape, Tracker};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, JointMotion, PlanError, RigidSpace, TranslationSpace, Verdict, World, WorldId,
+    Cell, CellBody, Checker, ConfigurationSpace, JointMotion, PlanError, RigidSpace, TranslationSpace, Verdict,
 };
 use truth::rng::Rng;
 use truth::rooms::Room;
@@ -26,7 +26,7 @@ struct Tally {
 fn judge(n: usize, segments: u64, steps: usize) -> Tally {
     let room = Room::new(n, 1);
     let robot = [room.robot.clone()];
-    let mut checker = Checker::new(room.space(), room.world()).expect("a room");
+    let mut checker = Checker::new(room.space(), room.cell()).expect("a room");
     let mut tally = Tally::default();
     for k in 0..segments {
         let [from, to] = room.segment(&mut Rng::of_case(7, k));
@@ -54,7 +54,7 @@ fn judge(n: usize, segments: u64, steps: usize) -> Tally {
                 ..
             } => {
                 tally.blocked += 1;
-                let WorldId::Obstacle(obstacle) = pair.b else {
+                let CellBody::Obstacle(obstacle) = pair.b else {
                     panic!("{pair:?}")
                 };
                 // At the pose that the segment places, not at nalgebra's.
@@ -107,17 +107,16 @@ fn ten_thousand_segments_are_judged_right() {
 /// tube wider than the clearance is not free.
 #[test]
 fn splines_within_a_tube_are_free() {
-    let mut world = World::new();
-    world.robot_body("ball", Shape::ball(0.1).expect("a ball"));
+    let mut cell = Cell::new();
+    cell.robot_body("ball", Shape::ball(0.1).expect("a ball"));
     let block = solids::cuboid(Vector3::new(0.2, 0.2, 0.2)).expect("a cuboid");
     let at = [[0.0, 0.7, 0.0], [0.0, -0.9, 0.1], [0.5, 0.1, 0.8], [-0.3, 0.2, -0.7]];
     for (k, [x, y, z]) in at.into_iter().enumerate() {
-        world
-            .add_obstacle(k, block.clone(), Isometry3::translation(x, y, z))
+        cell.add_obstacle(k, block.clone(), Isometry3::translation(x, y, z))
             .expect("an obstacle");
     }
     let space = TranslationSpace::new([[-2.0, 2.0]; 3], Default::default(), 1).expect("a space");
-    let mut checker = Checker::new(space, world).expect("a checker");
+    let mut checker = Checker::new(space, cell).expect("a checker");
     let (from, to) = ([-1.5, 0.0, 0.0], [1.5, 0.1, 0.0]);
     let clearance = checker
         .clearance_along(&JointMotion::segment(&from, &to), 1e-3)
@@ -130,7 +129,7 @@ fn splines_within_a_tube_are_free() {
         let verdict = checker
             .certify(&JointMotion::segment(&from, &to).with_radius(radius).expect("a motion"))
             .expect("a segment");
-        assert_eq!(checker.world().margin(), 0.0);
+        assert_eq!(checker.cell().margin(), 0.0);
         assert_eq!(
             verdict.is_free(),
             radius < clearance,
@@ -168,7 +167,7 @@ fn splines_within_a_tube_are_free() {
 fn fixed_steps_miss_what_certificates_find() {
     let room = Room::new(150, 2);
     let robot = [room.robot.clone()];
-    let mut checker = Checker::new(room.space(), room.world()).expect("a room");
+    let mut checker = Checker::new(room.space(), room.cell()).expect("a room");
     let mut missed = [0; 2];
     let mut blocked = 0;
     for k in 0..1500 {
@@ -193,21 +192,20 @@ fn fixed_steps_miss_what_certificates_find() {
 /// The margin counts as contact, on both sides of it.
 #[test]
 fn margins_are_kept() {
-    let mut world = World::new();
-    world.robot_body("die", solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
-    world
-        .add_obstacle(
-            "wall",
-            solids::cuboid(Vector3::new(1.0, 3.0, 3.0)).expect("a box"),
-            Isometry3::translation(3.0, 0.0, 0.0),
-        )
-        .expect("an obstacle");
+    let mut cell = Cell::new();
+    cell.robot_body("die", solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
+    cell.add_obstacle(
+        "wall",
+        solids::cuboid(Vector3::new(1.0, 3.0, 3.0)).expect("a box"),
+        Isometry3::translation(3.0, 0.0, 0.0),
+    )
+    .expect("an obstacle");
     let space = TranslationSpace::new([[-5.0, 5.0]; 3], Default::default(), 1).expect("a space");
-    let mut checker = Checker::new(space, world).expect("a world");
+    let mut checker = Checker::new(space, cell).expect("a world");
     // The faces are 0.25 apart on the way.
     let ends = [vec![1.25, -1.0, 0.0], vec![1.25, 1.0, 0.0]];
     for (margin, is_free) in [(0.0, true), (0.249, true), (0.251, false)] {
-        checker.world_mut().set_margin(margin).expect("a margin");
+        checker.cell_mut().set_margin(margin).expect("a margin");
         assert_eq!(
             checker
                 .is_free(&JointMotion::segment(&ends[0], &ends[1]))
@@ -216,7 +214,7 @@ fn margins_are_kept() {
             "{margin}"
         );
     }
-    checker.world_mut().set_margin(0.0).expect("a margin");
+    checker.cell_mut().set_margin(0.0).expect("a margin");
     let found = checker
         .clearance_along(&JointMotion::segment(&ends[0], &ends[1]), 0.01)
         .expect("a segment");
@@ -239,7 +237,7 @@ fn margins_are_kept() {
     };
     assert!(safe < 0.5 && 0.5 < t && t - safe < 1e-5, "{verdict:?}");
     assert!((witnesses[0].x - 2.0).abs() < 1e-5 && (witnesses[1].x - 2.0).abs() < 1e-12);
-    assert!(checker.world_mut().set_margin(f64::NAN).is_err());
+    assert!(checker.cell_mut().set_margin(f64::NAN).is_err());
 }
 
 /// The clearance among few and many obstacles, the robot near some, far from all, in contact, by
@@ -249,7 +247,7 @@ fn margins_are_kept() {
 fn clearances_are_those_of_all_pairs() {
     for n in [0, 1, 8, 300] {
         let room = Room::new(n, 3);
-        let mut checker = Checker::new(room.space(), room.world()).expect("a room");
+        let mut checker = Checker::new(room.space(), room.cell()).expect("a room");
         let mut rng = Rng::new(n as u64);
         let mut at = [0.0; 3];
         for k in 0..120 {
@@ -287,20 +285,19 @@ fn clearances_are_those_of_all_pairs() {
     }
     // As dense, over ten times the side: as much to look at.
     let looked = [4, 40].map(|side| {
-        let mut world = World::new();
-        world.robot_body("ball", Shape::ball(0.3).expect("a ball"));
+        let mut cell = Cell::new();
+        cell.robot_body("ball", Shape::ball(0.3).expect("a ball"));
         for k in 0..side * side {
             let at = Vector3::new(f64::from(k % side), f64::from(k / side), 0.0);
-            world
-                .add_obstacle(
-                    k,
-                    Shape::ball(0.2).expect("a ball"),
-                    Isometry3::from_parts(at.into(), Default::default()),
-                )
-                .expect("an obstacle");
+            cell.add_obstacle(
+                k,
+                Shape::ball(0.2).expect("a ball"),
+                Isometry3::from_parts(at.into(), Default::default()),
+            )
+            .expect("an obstacle");
         }
         let space = TranslationSpace::new([[0.0, 40.0]; 3], Default::default(), 1).expect("a space");
-        let mut checker = Checker::new(space, world).expect("a world");
+        let mut checker = Checker::new(space, cell).expect("a world");
         for k in 0..100 {
             let q = [1.0 + 0.01 * f64::from(k), 1.5, 0.6];
             checker.clearance(&q).expect("a configuration");
@@ -313,14 +310,13 @@ fn clearances_are_those_of_all_pairs() {
 /// A rod turns between two posts: only the middle of the turn is blocked.
 #[test]
 fn a_turn_is_more_than_its_ends() {
-    let mut world = World::new();
-    world.robot_body("rod", solids::cuboid(Vector3::new(1.0, 0.02, 0.02)).expect("a box"));
+    let mut cell = Cell::new();
+    cell.robot_body("rod", solids::cuboid(Vector3::new(1.0, 0.02, 0.02)).expect("a box"));
     let post = solids::cuboid(Vector3::repeat(0.01)).expect("a box");
-    world
-        .add_obstacle("post", post, Isometry3::translation(0.6, 0.6, 0.0))
+    cell.add_obstacle("post", post, Isometry3::translation(0.6, 0.6, 0.0))
         .expect("an obstacle");
     let space = RigidSpace::new([[-1.0, 1.0]; 3], 1.0, 1).expect("a space");
-    let mut checker = Checker::new(space, world).expect("a world");
+    let mut checker = Checker::new(space, cell).expect("a world");
     let at = |angle: f64| RigidSpace::configuration(&Isometry3::rotation(Vector3::z() * angle));
     let verdict = checker
         .certify(&JointMotion::segment(&at(0.0), &at(1.57)))
@@ -351,13 +347,12 @@ fn obstacles_of_every_kind() {
         ("mesh", Mesh::from_convex(&die()).expect("a mesh").into()),
     ];
     for (name, shape) in kinds {
-        let mut world = World::new();
-        world.robot_body("die", die());
-        world
-            .add_obstacle(name, shape, Isometry3::translation(0.0, 0.0, 0.0))
+        let mut cell = Cell::new();
+        cell.robot_body("die", die());
+        cell.add_obstacle(name, shape, Isometry3::translation(0.0, 0.0, 0.0))
             .expect("an obstacle");
         let space = RigidSpace::new([[-9.0, 9.0]; 3], 0.9, 1).expect("a space");
-        let mut checker = Checker::new(space, world).expect("a world");
+        let mut checker = Checker::new(space, cell).expect("a world");
         let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, -0.1));
         let verdict = checker
             .certify(&JointMotion::segment(&at(-3.0, 0.0), &at(3.0, 0.0)))
@@ -386,7 +381,7 @@ fn obstacles_of_every_kind() {
 #[test]
 fn bad_input_is_named() {
     let room = Room::new(3, 1);
-    let mut checker = Checker::new(room.space(), room.world()).expect("a room");
+    let mut checker = Checker::new(room.space(), room.cell()).expect("a room");
     let good = RigidSpace::configuration(&Isometry3::identity());
     let with = |k: usize, value: f64| {
         let mut q = good.clone();
@@ -408,25 +403,24 @@ fn bad_input_is_named() {
     assert!(RigidSpace::new([[0.0, 1.0]; 3], 0.0, 1).is_err());
     let two = RigidSpace::new([[0.0, 1.0]; 3], 1.0, 2).expect("a space");
     assert!(matches!(
-        Checker::new(two, room.world()).err(),
-        Some(PlanError::Bodies { space: 2, world: 1 })
+        Checker::new(two, room.cell()).err(),
+        Some(PlanError::Bodies { space: 2, cell: 1 })
     ));
-    let mut world = room.world();
+    let mut cell = room.cell();
     assert_eq!(
-        world.exclude("robot", "nobody"),
+        cell.exclude("robot", "nobody"),
         Err(PlanError::Unnamed {
             name: "nobody".into(),
             near: None
         })
     );
-    world
-        .add_obstacle(
-            "bead",
-            Mesh::from_convex(&room.robot).expect("a mesh"),
-            Isometry3::identity(),
-        )
-        .expect("an obstacle");
-    let mut round = World::new();
+    cell.add_obstacle(
+        "bead",
+        Mesh::from_convex(&room.robot).expect("a mesh"),
+        Isometry3::identity(),
+    )
+    .expect("an obstacle");
+    let mut round = Cell::new();
     round.robot_body("ball", Shape::ball(1.0).expect("a ball"));
     round
         .add_obstacle(
@@ -437,7 +431,7 @@ fn bad_input_is_named() {
         .expect("an obstacle");
     assert!(Checker::new(room.space(), round).is_ok());
     let mesh = Mesh::from_convex(&room.robot).expect("a mesh");
-    let mut curved = World::new();
+    let mut curved = Cell::new();
     let patches = BezierSurface::from_mesh(&mesh).expect("a surface");
     curved.robot_body("bracket", mesh);
     curved

@@ -6,8 +6,8 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Geometry, Mesh, PairTracker, RelativePose, Shape};
 use lin_canny_plan::receipt::Receipt;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, PairBoxes, PlanError, PlanOptions,
-    RangeOptions, RangeProver, RigidSpace, RrtConnect, Shortcuts, TreeJoint, Verdict, World, WorldId, WorldPair, widen,
+    Cell, CellBody, CellPair, Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, PairBoxes,
+    PlanError, PlanOptions, RangeOptions, RangeProver, RigidSpace, RrtConnect, Shortcuts, TreeJoint, Verdict, widen,
 };
 use std::ops::ControlFlow;
 use truth::rng::Rng;
@@ -43,17 +43,17 @@ fn arm() -> JointTree {
     JointTree::new(Isometry3::identity(), joints, limits, vec![1, 2, 3, 4], radii).expect("an arm")
 }
 
-fn world() -> World {
-    let mut world = World::new();
+fn cell() -> Cell {
+    let mut cell = Cell::new();
     let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
     let rod = |half: f64| cuboid(half, 0.07, 0.06).transformed(&at(half)).expect("a rod");
-    world.robot_body("upper", rod(0.45));
-    world.robot_body("fore", Mesh::from_convex(&rod(0.4)).expect("a mesh"));
-    world.robot_body("hand", rod(0.1));
-    world.bare_frame("tool");
-    world.exclude("upper", "fore").expect("names");
-    world.exclude("fore", "hand").expect("names");
-    world
+    cell.robot_body("upper", rod(0.45));
+    cell.robot_body("fore", Mesh::from_convex(&rod(0.4)).expect("a mesh"));
+    cell.robot_body("hand", rod(0.1));
+    cell.bare_frame("tool");
+    cell.exclude("upper", "fore").expect("names");
+    cell.exclude("fore", "hand").expect("names");
+    cell
 }
 
 fn pose(rng: &mut Rng, far: f64) -> Isometry3<f64> {
@@ -79,12 +79,12 @@ fn sample(rng: &mut Rng) -> Vec<f64> {
 }
 
 /// The checker of a world that was saved and loaded, if the feature is enabled.
-fn stored(world: &World) -> Checker<JointTree> {
+fn stored(cell: &Cell) -> Checker<JointTree> {
     #[cfg(feature = "serde")]
-    let text = serde_json::to_string(world).expect("a world");
+    let text = serde_json::to_string(cell).expect("a world");
     #[cfg(feature = "serde")]
-    let world = &serde_json::from_str::<World>(&text).expect("a world");
-    Checker::new(arm(), world.clone()).expect("a world")
+    let cell = &serde_json::from_str::<Cell>(&text).expect("a world");
+    Checker::new(arm(), cell.clone()).expect("a world")
 }
 
 /// Makes random changes: one, several at once, or another world.
@@ -92,73 +92,73 @@ fn change(checker: &mut Checker<JointTree>, rng: &mut Rng) {
     match rng.below(14) {
         0 => {
             let (name, q) = (*rng.pick(&["a", "b", "c", "upper"]), sample(rng));
-            let before = format!("{:?}", checker.world());
+            let before = format!("{:?}", checker.cell());
             if checker.detach_at(name, &q).is_err() {
-                assert_eq!(format!("{:?}", checker.world()), before);
+                assert_eq!(format!("{:?}", checker.cell()), before);
             }
         }
-        1 => *checker = stored(checker.world()),
+        1 => *checker = stored(checker.cell()),
         2 => {
-            let mut other = checker.world().clone();
+            let mut other = checker.cell().clone();
             change_world(&mut other, rng);
-            change_world(&mut checker.world_mut(), rng);
-            *checker.world_mut() = other;
+            change_world(&mut checker.cell_mut(), rng);
+            *checker.cell_mut() = other;
         }
         3 => {
             // Another world, a query of it, and the world of before with a change.
-            let mut other = checker.world().clone();
+            let mut other = checker.cell().clone();
             for _ in 0..3 {
                 change_world(&mut other, rng);
             }
-            let mut old = core::mem::replace(&mut *checker.world_mut(), other);
+            let mut old = core::mem::replace(&mut *checker.cell_mut(), other);
             checker.is_free_at(&sample(rng)).expect("a configuration");
             change_world(&mut old, rng);
-            *checker.world_mut() = old;
+            *checker.cell_mut() = old;
         }
         4..=6 => {
-            let mut world = checker.world_mut();
+            let mut cell = checker.cell_mut();
             for _ in 0..2 + rng.below(4) {
-                change_world(&mut world, rng);
+                change_world(&mut cell, rng);
             }
         }
-        _ => change_world(&mut checker.world_mut(), rng),
+        _ => change_world(&mut checker.cell_mut(), rng),
     }
 }
 
 /// Makes a random change; refused changes must change nothing.
-fn change_world(world: &mut World, rng: &mut Rng) {
+fn change_world(cell: &mut Cell, rng: &mut Rng) {
     let names = ["a", "b", "c", "upper", "fore", "hand", "tool", "nobody"];
     let name = *rng.pick(&names[..4]);
     let [one, two] = [*rng.pick(&names), *rng.pick(&names)];
-    let all: Vec<WorldId> = world.bodies().map(|b| b.0).collect();
+    let all: Vec<CellBody> = cell.bodies().map(|b| b.0).collect();
     let id = *rng.pick(&all);
     let link = *rng.pick(&names[3..]);
-    let before = format!("{world:?}");
+    let before = format!("{cell:?}");
     let is_refused = match rng.below(14) {
-        0 | 1 => world.add_obstacle(name, geometry(rng), pose(rng, 1.6)).is_err(),
-        2 => world.move_obstacle(name, pose(rng, 1.6)).is_err(),
-        3 => world.move_obstacle(id, pose(rng, 1.6)).is_err(),
-        4 => world.replace_obstacle(id, geometry(rng)).is_err(),
-        5 => world
+        0 | 1 => cell.add_obstacle(name, geometry(rng), pose(rng, 1.6)).is_err(),
+        2 => cell.move_obstacle(name, pose(rng, 1.6)).is_err(),
+        3 => cell.move_obstacle(id, pose(rng, 1.6)).is_err(),
+        4 => cell.replace_obstacle(id, geometry(rng)).is_err(),
+        5 => cell
             .remove_obstacle(if rng.below(4) == 0 { name } else { "c" })
             .is_err(),
-        6 => world.attach(link, name, geometry(rng), pose(rng, 0.2), &[one]).is_err(),
-        7 => world.detach(name).is_err(),
-        8 => world.set_margin(*rng.pick(&[0.02, 0.0, 0.05, -1.0])).is_err(),
-        9 => world.pad(one, *rng.pick(&[0.0, 0.01, 0.2, -1.0])).is_err(),
+        6 => cell.attach(link, name, geometry(rng), pose(rng, 0.2), &[one]).is_err(),
+        7 => cell.detach(name).is_err(),
+        8 => cell.set_margin(*rng.pick(&[0.02, 0.0, 0.05, -1.0])).is_err(),
+        9 => cell.pad(one, *rng.pick(&[0.0, 0.01, 0.2, -1.0])).is_err(),
         10 => {
             let margin = *rng.pick(&[None, Some(0.0), Some(0.05), Some(f64::NAN)]);
-            world.set_pair_margin(one, two, margin).is_err()
+            cell.set_pair_margin(one, two, margin).is_err()
         }
-        11 => world.exclude(one, two).is_err(),
-        12 => world.include(one, id).is_err(),
+        11 => cell.exclude(one, two).is_err(),
+        12 => cell.include(one, id).is_err(),
         _ => {
-            world.exclude_if(|pair| pair.a == id && pair.b == all[0]);
+            cell.exclude_if(|pair| pair.a == id && pair.b == all[0]);
             false
         }
     };
     if is_refused {
-        assert_eq!(format!("{world:?}"), before);
+        assert_eq!(format!("{cell:?}"), before);
     }
 }
 
@@ -184,10 +184,10 @@ fn judge(sequences: usize, changes: usize, seed: u64) {
     let (mut differing, mut free) = (0, 0);
     for k in 0..sequences {
         let mut rng = Rng::new(seed + k as u64);
-        let mut checker = Checker::new(arm(), world()).expect("a world");
-        let mut warm = Checker::new(arm(), world()).expect("a world");
-        checker.world_mut().set_margin(0.02).expect("a margin");
-        warm.world_mut().set_margin(0.02).expect("a margin");
+        let mut checker = Checker::new(arm(), cell()).expect("a world");
+        let mut warm = Checker::new(arm(), cell()).expect("a world");
+        checker.cell_mut().set_margin(0.02).expect("a margin");
+        warm.cell_mut().set_margin(0.02).expect("a margin");
         for step in 0..changes {
             let mut same = rng.clone();
             change(&mut checker, &mut rng);
@@ -195,7 +195,7 @@ fn judge(sequences: usize, changes: usize, seed: u64) {
             let q = sample(&mut rng);
             let by = [0; 3].map(|_| rng.range(-0.3, 0.3));
             let p = checker.space().moved(&q, &by);
-            let mut new = Checker::new(arm(), checker.world().clone()).expect("a world");
+            let mut new = Checker::new(arm(), checker.cell().clone()).expect("a world");
             let questions = if step % 8 == 0 { 9 } else { 4 };
             for question in 0..questions {
                 new.forget();
@@ -234,71 +234,71 @@ fn measured(a: (&Geometry, Isometry3<f64>), b: (&Geometry, Isometry3<f64>)) -> [
 }
 
 /// Returns geometry and pose of a body at a configuration, from the pose of its link alone.
-fn placed<'a>(checker: &'a Checker<JointTree>, id: WorldId, q: &[f64]) -> (&'a Geometry, Isometry3<f64>) {
+fn placed<'a>(checker: &'a Checker<JointTree>, id: CellBody, q: &[f64]) -> (&'a Geometry, Isometry3<f64>) {
     let mut poses = Vec::new();
     checker.space().place(q, &mut poses);
-    let world = checker.world();
+    let cell = checker.cell();
     let link = |name: &str| ["upper", "fore", "hand", "tool"].iter().position(|n| *n == name);
     let pose = match id {
-        WorldId::Robot(k) => poses[k],
-        WorldId::Obstacle(_) => *world.obstacle_pose(id).expect("an obstacle"),
-        WorldId::Attached(_) => {
-            let object = world.attached().find(|o| o.0 == id).expect("an object").1;
+        CellBody::Robot(k) => poses[k],
+        CellBody::Obstacle(_) => *cell.obstacle_pose(id).expect("an obstacle"),
+        CellBody::Attached(_) => {
+            let object = cell.attached().find(|o| o.0 == id).expect("an object").1;
             poses[link(&object.link).expect("a link")] * object.pose
         }
     };
-    (world.geometry(id).expect("a body"), pose)
+    (cell.geometry(id).expect("a body"), pose)
 }
 
 /// A checker with objects on hand and tool, obstacles, paddings and margins of pairs.
 fn loaded(rng: &mut Rng) -> Checker<JointTree> {
-    let mut checker = Checker::new(arm(), world()).expect("a world");
+    let mut checker = Checker::new(arm(), cell()).expect("a world");
     for k in 0..12 {
         let at = pose(rng, 1.8);
         if at.translation.vector.norm() > 0.8 {
             checker
-                .world_mut()
+                .cell_mut()
                 .add_obstacle(k, geometry(rng), at)
                 .expect("an obstacle");
         }
     }
     let grip = ["hand", "tool"];
     checker
-        .world_mut()
+        .cell_mut()
         .attach("tool", "part", geometry(rng), pose(rng, 0.15), &grip)
         .expect("a part");
     checker
-        .world_mut()
+        .cell_mut()
         .attach("upper", "pack", geometry(rng), pose(rng, 0.4), &["fore"])
         .expect("a pack");
-    checker.world_mut().set_margin(0.01).expect("a margin");
-    checker.world_mut().pad("part", 0.03).expect("a padding");
-    checker.world_mut().pad("hand", 0.005).expect("a padding");
-    let id = checker.world().bodies().map(|b| b.0).last().expect("a body");
-    checker.world_mut().pad(id, 0.02).expect("a padding");
+    checker.cell_mut().set_margin(0.01).expect("a margin");
+    checker.cell_mut().pad("part", 0.03).expect("a padding");
+    checker.cell_mut().pad("hand", 0.005).expect("a padding");
+    let id = checker.cell().bodies().map(|b| b.0).last().expect("a body");
+    checker.cell_mut().pad(id, 0.02).expect("a padding");
     checker
-        .world_mut()
+        .cell_mut()
         .set_pair_margin("fore", id, Some(0.0))
         .expect("a margin");
     checker
-        .world_mut()
+        .cell_mut()
         .set_pair_margin("pack", id, Some(0.1))
         .expect("a margin");
     checker
 }
 
 /// Returns all pairs that must be measured, by brute force.
-fn pairs(checker: &Checker<JointTree>) -> Vec<WorldPair> {
-    let all: Vec<WorldId> = checker.world().bodies().map(|b| b.0).collect();
-    let rigid = |id: WorldId| match checker.world().name(id) {
+fn pairs(checker: &Checker<JointTree>) -> Vec<CellPair> {
+    let all: Vec<CellBody> = checker.cell().bodies().map(|b| b.0).collect();
+    let rigid = |id: CellBody| match checker.cell().name(id) {
         "part" | "hand" => 1,
         "pack" | "upper" => 2,
         _ => 100 + all.iter().position(|x| *x == id).unwrap_or(0),
     };
     let mut pairs = Vec::new();
     for (k, &a) in all.iter().enumerate() {
-        for pair in all[k + 1..].iter().filter_map(|&b| WorldPair::new(a, b)) {
-            let is_excluded = checker.world().excluded().any(|x| x == [pair.a, pair.b]);
+        for pair in all[k + 1..].iter().filter_map(|&b| CellPair::new(a, b)) {
+            let is_excluded = checker.cell().excluded().any(|x| x == [pair.a, pair.b]);
             if !is_excluded && rigid(pair.a) != rigid(pair.b) {
                 pairs.push(pair);
             }
@@ -316,7 +316,7 @@ fn attached_objects_are_where_their_links_carry_them() {
         for _ in 0..20 {
             let q = sample(&mut rng);
             let near = checker.nearest(&q, f64::INFINITY).expect("a configuration");
-            let mut found: Vec<WorldPair> = near.iter().map(|n| n.pair).collect();
+            let mut found: Vec<CellPair> = near.iter().map(|n| n.pair).collect();
             found.sort_unstable();
             assert_eq!(found, expected);
             let is_free = checker.is_free_at(&q).expect("a configuration");
@@ -328,12 +328,12 @@ fn attached_objects_are_where_their_links_carry_them() {
                     "{n:?} {lower} {upper}"
                 );
                 least = least.min(n.excess);
-                let kept = checker.world().kept_distance(n.pair);
+                let kept = checker.cell().kept_distance(n.pair);
                 assert_eq!(n.excess, n.distance - kept);
             }
             assert!(is_free == (least > 0.0) || least.abs() < 1e-9, "{least}");
             let touching = checker.in_contact(&q).expect("a configuration");
-            let mut below: Vec<WorldPair> = near.iter().filter(|n| n.lower <= 0.0).map(|n| n.pair).collect();
+            let mut below: Vec<CellPair> = near.iter().filter(|n| n.lower <= 0.0).map(|n| n.pair).collect();
             below.sort_unstable();
             assert_eq!(touching, below);
         }
@@ -363,7 +363,7 @@ fn judge_verdicts(motions: usize, places: usize, seed: u64) -> [usize; 2] {
             let at = checker.space().between(&q, &p, t);
             for pair in &all {
                 let [_, upper] = measured(placed(&checker, pair.a, &at), placed(&checker, pair.b, &at));
-                let kept = checker.world().kept_distance(*pair);
+                let kept = checker.cell().kept_distance(*pair);
                 assert!(upper > kept - 1e-9, "{} at {t}: {upper}", checker.show(pair));
             }
         }
@@ -374,7 +374,7 @@ fn judge_verdicts(motions: usize, places: usize, seed: u64) -> [usize; 2] {
             let at = checker.space().between(&q, &p, t);
             let [lower, _] = measured(placed(&checker, pair.a, &at), placed(&checker, pair.b, &at));
             assert!(
-                lower <= checker.world().kept_distance(pair) + 1e-9,
+                lower <= checker.cell().kept_distance(pair) + 1e-9,
                 "{}",
                 checker.show(&verdict)
             );
@@ -400,105 +400,104 @@ fn verdicts_keep_the_margin_of_each_pair_over_1000_motions() {
 
 #[test]
 fn a_change_of_one_obstacle_measures_its_own_pairs_alone() {
-    let mut world = world();
+    let mut cell = cell();
     for k in 0..1000 {
         let (x, y) = (f64::from(k % 32), f64::from(k / 32));
-        world
-            .add_obstacle(k, Shape::ball(0.2).expect("a ball"), Isometry3::translation(x, y, 0.5))
+        cell.add_obstacle(k, Shape::ball(0.2).expect("a ball"), Isometry3::translation(x, y, 0.5))
             .expect("an obstacle");
     }
-    let mut checker = Checker::new(arm(), world).expect("a world");
+    let mut checker = Checker::new(arm(), cell).expect("a world");
     let q = [0.3, 0.1, 0.1];
     checker.nearest(&q, f64::INFINITY).expect("a configuration");
     let made = checker.work().pairs_made;
     assert_eq!(made, 3 * 1000 + 1);
     for k in 0..10 {
         let at = Isometry3::translation(1.0, f64::from(k), 0.3);
-        checker.world_mut().move_obstacle("500", at).expect("an obstacle");
+        checker.cell_mut().move_obstacle("500", at).expect("an obstacle");
         checker
-            .world_mut()
+            .cell_mut()
             .replace_obstacle("501", cuboid(0.1, 0.1, 0.1))
             .expect("an obstacle");
     }
     assert_eq!(checker.work().pairs_made, made);
     let id = checker
-        .world_mut()
+        .cell_mut()
         .add_obstacle("new", cuboid(0.1, 0.1, 0.1), Isometry3::translation(0.0, 2.0, 0.0))
         .expect("an obstacle");
     assert_eq!(checker.work().pairs_made, made + 3);
-    checker.world_mut().remove_obstacle(id).expect("an obstacle");
-    checker.world_mut().exclude("upper", "500").expect("names");
-    checker.world_mut().include("upper", "500").expect("names");
+    checker.cell_mut().remove_obstacle(id).expect("an obstacle");
+    checker.cell_mut().exclude("upper", "500").expect("names");
+    checker.cell_mut().include("upper", "500").expect("names");
     assert_eq!(checker.work().pairs_made, made + 4);
 }
 
 #[test]
 fn removed_bodies_and_unknown_names_are_errors_that_say_so() {
-    let mut checker = Checker::new(arm(), world()).expect("a world");
+    let mut checker = Checker::new(arm(), cell()).expect("a world");
     let at = Isometry3::translation(0.0, 3.0, 0.0);
     let ball = || Shape::ball(0.1).expect("a ball");
     let post = checker
-        .world_mut()
+        .cell_mut()
         .add_obstacle("post", ball(), at)
         .expect("an obstacle");
-    assert_eq!(checker.world_mut().remove_obstacle(post), Ok(vec![post]));
+    assert_eq!(checker.cell_mut().remove_obstacle(post), Ok(vec![post]));
     assert_eq!(
-        checker.world_mut().move_obstacle(post, at),
+        checker.cell_mut().move_obstacle(post, at),
         Err(PlanError::Removed(post))
     );
     assert_eq!(post.to_string(), "obstacle 0");
     let next = checker
-        .world_mut()
+        .cell_mut()
         .add_obstacle("post", ball(), at)
         .expect("an obstacle");
-    assert_eq!(next, WorldId::Obstacle(1));
+    assert_eq!(next, CellBody::Obstacle(1));
     let text = |error: PlanError| error.to_string();
     let missing = checker
-        .world_mut()
+        .cell_mut()
         .move_obstacle("posts", at)
         .expect_err("a misspelt name");
     assert_eq!(text(missing), "body \"posts\" does not exist (nearest: \"post\")");
-    let robot = checker.world_mut().move_obstacle("hand", at).expect_err("a link");
+    let robot = checker.cell_mut().move_obstacle("hand", at).expect_err("a link");
     assert_eq!(text(robot), "hand is not an obstacle");
-    let bare = checker.world_mut().exclude("tool", "post").expect_err("a frame");
+    let bare = checker.cell_mut().exclude("tool", "post").expect_err("a frame");
     assert_eq!(text(bare), "link \"tool\" has no bodies, so it has no pairs");
     let link = checker
-        .world_mut()
+        .cell_mut()
         .attach("tol", "part", ball(), at, &[])
         .expect_err("a misspelt link");
     assert_eq!(text(link), "body \"tol\" does not exist (nearest: \"tool\")");
     let far = Isometry3::translation(f64::NAN, 0.0, 0.0);
-    assert!(checker.world_mut().add_obstacle("far", ball(), far).is_err());
-    assert!(checker.world_mut().move_obstacle("post", far).is_err());
+    assert!(checker.cell_mut().add_obstacle("far", ball(), far).is_err());
+    assert!(checker.cell_mut().move_obstacle("post", far).is_err());
     for name in ["hand", "tool"] {
         checker
-            .world_mut()
+            .cell_mut()
             .attach(name, "twin", ball(), Isometry3::identity(), &[])
             .expect("an object");
     }
     let twins = checker.detach_at("twin", &[0.0; 3]).expect_err("two objects");
     assert_eq!(text(twins), "2 bodies are named \"twin\" (expected one)");
-    assert_eq!(checker.world_mut().detach("twin").map(|ids| ids.len()), Ok(2));
-    assert!(checker.world_mut().pad("post", -0.1).is_err());
-    assert_eq!(checker.world().excluded_names(), [["fore", "hand"], ["fore", "upper"]]);
+    assert_eq!(checker.cell_mut().detach("twin").map(|ids| ids.len()), Ok(2));
+    assert!(checker.cell_mut().pad("post", -0.1).is_err());
+    assert_eq!(checker.cell().excluded_names(), [["fore", "hand"], ["fore", "upper"]]);
 }
 
 #[test]
 fn a_world_that_does_not_fit_is_an_error_of_every_call() {
-    let mut checker = Checker::new(arm(), world()).expect("a world");
-    let good = checker.world().clone();
+    let mut checker = Checker::new(arm(), cell()).expect("a world");
+    let good = checker.cell().clone();
     let (q, p) = ([0.1, 0.2, 0.1], [0.3, 0.2, 0.1]);
     let free = checker.is_free_at(&q);
     let motion = JointMotion::segment(&q, &p);
     let mut more = good.clone();
     let extra = more.robot_body("extra", cuboid(0.1, 0.1, 0.1));
-    let faults: [fn(&mut World, World); 3] = [
-        |world, _| _ = world.robot_body("extra", cuboid(0.1, 0.1, 0.1)),
-        |world, _| *world = World::new(),
-        |world, more| *world = more,
+    let faults: [fn(&mut Cell, Cell); 3] = [
+        |cell, _| _ = cell.robot_body("extra", cuboid(0.1, 0.1, 0.1)),
+        |cell, _| *cell = Cell::new(),
+        |cell, more| *cell = more,
     ];
     for fault in faults {
-        fault(&mut checker.world_mut(), more.clone());
+        fault(&mut checker.cell_mut(), more.clone());
         let boxes = checker.fork().err();
         let said = checker.is_free_at(&q).expect_err("another robot");
         assert!(matches!(said, PlanError::Bodies { .. }), "{said}");
@@ -530,7 +529,7 @@ fn a_world_that_does_not_fit_is_an_error_of_every_call() {
             assert!(found.is_err(), "{found:?}");
         }
         assert!(Receipt::motion(&mut checker, &motion).is_err());
-        *checker.world_mut() = good.clone();
+        *checker.cell_mut() = good.clone();
         assert_eq!(checker.is_free_at(&q), free);
     }
 }
@@ -539,17 +538,17 @@ fn a_world_that_does_not_fit_is_an_error_of_every_call() {
 fn an_object_that_is_put_down_stays_where_it_was() {
     let mut rng = Rng::new(19);
     for _ in 0..30 {
-        let mut checker = Checker::new(arm(), world()).expect("a world");
+        let mut checker = Checker::new(arm(), cell()).expect("a world");
         let (shape, grip, q) = (geometry(&mut rng), pose(&mut rng, 0.2), sample(&mut rng));
         let id = checker
-            .world_mut()
+            .cell_mut()
             .attach("tool", "part", shape, grip, &["hand"])
             .expect("a part");
         let at = checker.pose(id, &q).expect("a pose");
         let link = checker.link_pose("tool", &q).expect("a pose");
         assert!(((link * grip).translation.vector - at.translation.vector).norm() < 1e-12);
         let left = checker.detach_at("part", &q).expect("a part");
-        assert_eq!(checker.world().obstacle_pose(left), Some(&at));
+        assert_eq!(checker.cell().obstacle_pose(left), Some(&at));
         assert_eq!(checker.pose(id, &q), Err(PlanError::Removed(id)));
     }
 }
@@ -589,19 +588,18 @@ fn gradients_equal_finite_differences() {
 
 #[test]
 fn gradients_of_rigid_bodies_equal_finite_differences() {
-    let mut world = World::new();
-    world.robot_body("plank", cuboid(0.5, 0.1, 0.05));
-    world
-        .add_obstacle(
-            "ball",
-            Shape::ball(0.2).expect("a ball"),
-            Isometry3::translation(0.2, 1.0, 0.3),
-        )
-        .expect("an obstacle");
+    let mut cell = Cell::new();
+    cell.robot_body("plank", cuboid(0.5, 0.1, 0.05));
+    cell.add_obstacle(
+        "ball",
+        Shape::ball(0.2).expect("a ball"),
+        Isometry3::translation(0.2, 1.0, 0.3),
+    )
+    .expect("an obstacle");
     let space = RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1).expect("a space");
-    let mut checker = Checker::new(space, world).expect("a world");
+    let mut checker = Checker::new(space, cell).expect("a world");
     checker
-        .world_mut()
+        .cell_mut()
         .attach(
             "plank",
             "knob",
@@ -677,12 +675,12 @@ fn worlds_and_answers_are_stored() {
     for _ in 0..5 {
         let mut checker = loaded(&mut rng);
         checker
-            .world_mut()
-            .remove_obstacle(WorldId::Obstacle(0))
+            .cell_mut()
+            .remove_obstacle(CellBody::Obstacle(0))
             .expect("an obstacle");
-        let text = serde_json::to_string(checker.world()).expect("a world");
-        let world: World = serde_json::from_str(&text).expect("a world");
-        let mut read = Checker::new(arm(), world).expect("a world");
+        let text = serde_json::to_string(checker.cell()).expect("a world");
+        let cell: Cell = serde_json::from_str(&text).expect("a world");
+        let mut read = Checker::new(arm(), cell).expect("a world");
         let (q, p) = (sample(&mut rng), sample(&mut rng));
         for question in 0..4 {
             checker.forget();
@@ -694,5 +692,5 @@ fn worlds_and_answers_are_stored() {
         assert_eq!(serde_json::from_str::<Verdict>(&text).expect("a verdict"), verdict);
     }
     let bad = r#"{"robot":[],"frames":[],"attached":[],"obstacles":[],"excluded":[],"margin":-1.0,"paddings":[],"margins":[]}"#;
-    assert!(serde_json::from_str::<World>(bad).is_err());
+    assert!(serde_json::from_str::<Cell>(bad).is_err());
 }

@@ -4,18 +4,18 @@
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    CertifyOptions, Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointMotion, JointTree,
-    JointTube, PlanError, PlanarSpace, RigidSpace, TranslationSpace, TreeJoint, Verdict, World,
+    Cell, CertifyOptions, Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointMotion, JointTree,
+    JointTube, PlanError, PlanarSpace, RigidSpace, TranslationSpace, TreeJoint, Verdict,
 };
 use truth::arm::chain::posts;
 use truth::rng::Rng;
 
-fn chain(joints: usize) -> (JointTree, World) {
+fn chain(joints: usize) -> (JointTree, Cell) {
     truth::arm::chain::chain(joints, [-1e3, 1e3]).expect("an arm")
 }
 
 /// Two arms on a carriage that slides and lifts, with a gripper whose fingers mirror each other.
-fn carriage() -> (JointTree, World) {
+fn carriage() -> (JointTree, Cell) {
     let mut joints = Vec::new();
     let mut add = |parent, kind, at: [f64; 3], axis, coordinate, factor| {
         joints.push(TreeJoint {
@@ -45,25 +45,25 @@ fn carriage() -> (JointTree, World) {
             links.push(add(fore, JointKind::Prismatic, at, y, 6, 0.05 * mirror));
         }
     }
-    let mut world = World::new();
+    let mut cell = Cell::new();
     let cuboid = |x: f64, y: f64, z: f64, at: f64| {
         let half = solids::cuboid(Vector3::new(x, y, z)).expect("a box");
         half.transformed(&Isometry3::translation(at, 0.0, 0.0)).expect("a box")
     };
-    world.robot_body("slide", cuboid(0.1, 0.1, 0.05, 0.0));
+    cell.robot_body("slide", cuboid(0.1, 0.1, 0.05, 0.0));
     for side in ["left", "right"] {
-        world.robot_body(format!("{side} upper"), cuboid(0.13, 0.03, 0.03, 0.15));
-        world.robot_body(format!("{side} fore"), cuboid(0.13, 0.03, 0.03, 0.15));
+        cell.robot_body(format!("{side} upper"), cuboid(0.13, 0.03, 0.03, 0.15));
+        cell.robot_body(format!("{side} fore"), cuboid(0.13, 0.03, 0.03, 0.15));
         for finger in ["a", "b"] {
-            world.robot_body(format!("{side} {finger}"), cuboid(0.05, 0.01, 0.02, 0.05));
+            cell.robot_body(format!("{side} {finger}"), cuboid(0.05, 0.01, 0.02, 0.05));
         }
         for [a, b] in [["upper", "fore"], ["fore", "a"], ["fore", "b"], ["a", "b"]] {
             let [a, b] = [a, b].map(|name| format!("{side} {name}"));
-            world.exclude(&a, &b).expect("names");
+            cell.exclude(&a, &b).expect("names");
         }
     }
-    posts(&mut world, 0.9).expect("posts");
-    (tree(joints, 7, links), world)
+    posts(&mut cell, 0.9).expect("posts");
+    (tree(joints, 7, links), cell)
 }
 
 fn tree(joints: Vec<TreeJoint>, coordinates: usize, links: Vec<usize>) -> JointTree {
@@ -114,9 +114,9 @@ struct Counts {
 }
 
 /// Certifies random curves of degree 1 to 7, and judges each at `places` times up to where it is called free.
-fn judged((space, world): (JointTree, World), count: usize, places: u32, seed: u64) -> Counts {
-    let mut checker = Checker::new(space.clone(), world.clone()).expect("a world");
-    let mut judge = Checker::new(space, world).expect("a world");
+fn judged((space, cell): (JointTree, Cell), count: usize, places: u32, seed: u64) -> Counts {
+    let mut checker = Checker::new(space.clone(), cell.clone()).expect("a world");
+    let mut judge = Checker::new(space, cell).expect("a world");
     let dims = checker.space().coordinates();
     let (mut rng, mut counts) = (Rng::new(seed), Counts::default());
     for k in 0..count {
@@ -171,7 +171,7 @@ fn judged((space, world): (JointTree, World), count: usize, places: u32, seed: u
     counts
 }
 
-fn robots() -> [(&'static str, (JointTree, World)); 4] {
+fn robots() -> [(&'static str, (JointTree, Cell)); 4] {
     [
         ("chain of 6", chain(6)),
         ("chain of 14", chain(14)),
@@ -213,12 +213,11 @@ fn slider() -> Checker<JointTree> {
         Joint::revolute(origin, Vector3::z_axis(), limits),
     ];
     let space = JointTree::serial(origin, joints, vec![3], 0.2).expect("an arm");
-    let mut world = World::new();
-    world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
-    world
-        .add_obstacle("box", solids::cuboid(Vector3::repeat(0.5)).expect("a box"), origin)
+    let mut cell = Cell::new();
+    cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    cell.add_obstacle("box", solids::cuboid(Vector3::repeat(0.5)).expect("a box"), origin)
         .expect("an obstacle");
-    Checker::new(space, world).expect("a world")
+    Checker::new(space, cell).expect("a world")
 }
 
 fn verdict(checker: &mut Checker<JointTree>, points: &[[f64; 3]]) -> Verdict {
@@ -391,9 +390,9 @@ fn values_stay_within_the_control_points() {
 fn limits_hold_between_control_points() {
     let joints = vec![Joint::prismatic(Isometry3::identity(), Vector3::x_axis(), [-10.0, 1.0])];
     let space = JointTree::serial(Isometry3::identity(), joints, vec![1], 0.2).expect("an arm");
-    let mut world = World::new();
-    world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
-    let mut checker = Checker::new(space, world).expect("a world");
+    let mut cell = Cell::new();
+    cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    let mut checker = Checker::new(space, cell).expect("a world");
     let mut check = |points: &[f64]| {
         let points: Vec<[f64; 1]> = points.iter().map(|x| [*x]).collect();
         checker.certify(&JointMotion::curve(&JointCurve::bezier(&points).expect("a curve")))
@@ -435,10 +434,10 @@ fn curves_of_wrong_numbers_and_spaces_are_errors() {
         Err(PlanError::Length { expected: 3, found: 2 })
     ));
 
-    let mut world = World::new();
-    world.robot_body("part", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    let mut cell = Cell::new();
+    cell.robot_body("part", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
     let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.5, 1).expect("a space");
-    let mut rigid = Checker::new(space, world.clone()).expect("a world");
+    let mut rigid = Checker::new(space, cell.clone()).expect("a world");
     let at = |x: f64| [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     let straight = JointCurve::bezier(&[at(0.0), at(1.0)]).expect("a curve");
     assert!(rigid.certify(&JointMotion::curve(&straight)).is_ok_and(|v| v.is_free()));
@@ -453,14 +452,14 @@ fn curves_of_wrong_numbers_and_spaces_are_errors() {
 }
 
 /// The rooms of rigid bodies: a plank that slides and turns in the plane, and one that slides in space.
-fn plank() -> World {
-    let mut world = World::new();
+fn plank() -> Cell {
+    let mut cell = Cell::new();
     let plank = solids::cuboid(Vector3::new(0.3, 0.05, 0.1)).expect("a box");
     let end = Isometry3::translation(0.2, 0.1, 0.0);
-    world.robot_body("plank", plank.clone());
-    world.robot_body("end", plank.transformed(&end).expect("a box"));
-    posts(&mut world, 0.9).expect("posts");
-    world
+    cell.robot_body("plank", plank.clone());
+    cell.robot_body("end", plank.transformed(&end).expect("a box"));
+    posts(&mut cell, 0.9).expect("posts");
+    cell
 }
 
 /// Judges curves of a space whose coordinates are independent, as [`judged`] does.
@@ -530,15 +529,14 @@ fn curves_of_bodies_that_slide_are_as_the_verdict_says() {
 
 #[test]
 fn angles_of_planar_curves_do_not_jump() {
-    let mut world = World::new();
+    let mut cell = Cell::new();
     let arm = solids::cuboid(Vector3::new(0.5, 0.05, 0.05)).expect("a box");
     let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
-    world.robot_body("arm", arm.transformed(&at(0.6)).expect("a box"));
-    world
-        .add_obstacle("post", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), at(1.0))
+    cell.robot_body("arm", arm.transformed(&at(0.6)).expect("a box"));
+    cell.add_obstacle("post", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), at(1.0))
         .expect("an obstacle");
     let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
-    let mut checker = Checker::new(space, world).expect("a world");
+    let mut checker = Checker::new(space, cell).expect("a world");
     let ends = [[0.0, 0.0, 3.0], [0.0, 0.0, -3.0]];
     assert!(
         checker
@@ -656,8 +654,8 @@ fn splines_are_the_sums_of_their_basis() {
 
 #[test]
 fn proofs_and_clearances_of_curves_agree_with_verdicts() {
-    let (space, world) = chain(6);
-    let mut checker = Checker::new(space, world).expect("a world");
+    let (space, cell) = chain(6);
+    let mut checker = Checker::new(space, cell).expect("a world");
     let (mut rng, mut free) = (Rng::new(7), 0);
     for k in 0..30 {
         let from: Vec<f64> = (0..6).map(|_| rng.range(-1.0, 1.0)).collect();
@@ -761,8 +759,8 @@ fn curves_have_the_same_bits_on_every_thread_and_after_forget() {
         each.collect()
     };
     let new = || {
-        let (space, world) = carriage();
-        Checker::new(space, world).expect("a world")
+        let (space, cell) = carriage();
+        Checker::new(space, cell).expect("a world")
     };
     let mut checker = new();
     let expected = ask(&mut checker);
@@ -831,9 +829,9 @@ fn random_tube(rng: &mut Rng, dims: usize, degree: usize, [low, high]: [f64; 2])
 #[test]
 fn tubes_of_joints_hold_at_their_corners() {
     let mut rng = Rng::new(21);
-    for (name, (space, world)) in robots() {
-        let mut checker = Checker::new(space.clone(), world.clone()).expect("a world");
-        let mut judge = Checker::new(space, world).expect("a world");
+    for (name, (space, cell)) in robots() {
+        let mut checker = Checker::new(space.clone(), cell.clone()).expect("a world");
+        let mut judge = Checker::new(space, cell).expect("a world");
         let dims = checker.space().coordinates();
         let (mut free, mut narrow) = (0, 0);
         for k in 0..25 {
@@ -896,9 +894,9 @@ fn tubes_of_joints_hold_at_their_corners() {
 fn contacts_in_tubes_are_within_the_tube() {
     let mut rng = Rng::new(22);
     let (mut found, mut missed) = (0, 0);
-    for (name, (space, world)) in robots() {
-        let mut checker = Checker::new(space.clone(), world.clone()).expect("a world");
-        let mut judge = Checker::new(space, world).expect("a world");
+    for (name, (space, cell)) in robots() {
+        let mut checker = Checker::new(space.clone(), cell.clone()).expect("a world");
+        let mut judge = Checker::new(space, cell).expect("a world");
         let dims = checker.space().coordinates();
         for k in 0..25 {
             let from: Vec<f64> = (0..dims).map(|_| rng.range(-1.0, 1.0)).collect();
@@ -1027,11 +1025,10 @@ fn a_contact_in_a_tube_has_its_time() {
     // The cart reaches the tube of the block at the end, and no sooner than at 0.9.
     let x = |x: f64| Isometry3::translation(x, 3.0, 0.0);
     let poses = lin_canny_plan::TimedPoses::new(&[0.0, 10.0], &[x(10.0), x(0.25)]).expect("poses");
-    let mut world = checker.world().clone();
-    world
-        .add_moving_obstacle("cart", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), poses)
+    let mut cell = checker.cell().clone();
+    cell.add_moving_obstacle("cart", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), poses)
         .expect("an obstacle");
-    let mut moving = Checker::new(checker.space().clone(), world).expect("a world");
+    let mut moving = Checker::new(checker.space().clone(), cell).expect("a world");
     let still = JointCurve::bezier(&[[0.0, 3.0, 0.0]; 2]).expect("a curve");
     let still = still.with_times([0.0, 10.0]).expect("times");
     for (before, off) in [(None, 0.1), (Some(2.0), 0.1), (None, 0.01)] {
@@ -1056,7 +1053,7 @@ fn a_contact_in_a_tube_has_its_time() {
         );
         assert!(found.is_none_or(|(t, q)| t > 0.9 && (q[0] - 0.1).abs() < 1e-12));
         assert_eq!(moving.time(), before);
-        moving = Checker::new(moving.space().clone(), moving.world().clone()).expect("a world");
+        moving = Checker::new(moving.space().clone(), moving.cell().clone()).expect("a world");
     }
     for (tube, from) in [
         (&[0.1, 0.1][..], 0.0),
@@ -1084,25 +1081,22 @@ fn crane(unit: f64) -> Checker<JointTree> {
     ];
     let space = JointTree::serial(at(0.0, 0.0, 0.1), joints, vec![1, 2, 3], 3.0 * unit).expect("an arm");
     let cuboid = |x: f64, y: f64, z: f64| solids::cuboid(Vector3::new(x, y, z) * unit).expect("a box");
-    let mut world = World::new();
-    world.robot_body("boom", cuboid(0.3, 0.1, 0.1));
-    world.robot_body("slide", cuboid(0.2, 0.1, 0.1));
-    world.robot_body(
+    let mut cell = Cell::new();
+    cell.robot_body("boom", cuboid(0.3, 0.1, 0.1));
+    cell.robot_body("slide", cuboid(0.2, 0.1, 0.1));
+    cell.robot_body(
         "hook",
         cuboid(0.1, 0.1, 0.3).transformed(&at(0.0, 0.0, -0.3)).expect("a box"),
     );
-    world.exclude("slide", "hook").expect("names");
-    world.exclude("boom", "slide").expect("names");
-    world
-        .add_obstacle("post", cuboid(0.2, 0.2, 1.0), at(1.1, 0.8, 0.0))
+    cell.exclude("slide", "hook").expect("names");
+    cell.exclude("boom", "slide").expect("names");
+    cell.add_obstacle("post", cuboid(0.2, 0.2, 1.0), at(1.1, 0.8, 0.0))
         .expect("an obstacle");
-    world
-        .add_obstacle("pillar", cuboid(0.2, 0.2, 1.0), at(1.2, -0.7, 0.0))
+    cell.add_obstacle("pillar", cuboid(0.2, 0.2, 1.0), at(1.2, -0.7, 0.0))
         .expect("an obstacle");
-    world
-        .add_obstacle("floor", cuboid(9.0, 9.0, 0.1), at(0.0, 0.0, -1.0))
+    cell.add_obstacle("floor", cuboid(9.0, 9.0, 0.1), at(0.0, 0.0, -1.0))
         .expect("an obstacle");
-    Checker::new(space, world).expect("a world")
+    Checker::new(space, cell).expect("a world")
 }
 
 /// Curves, tubes and clearances in scenes of all sizes: equal to the bit, unless the size crosses a limit of storage.

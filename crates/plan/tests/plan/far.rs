@@ -3,17 +3,17 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PlanError, TreeSegment, Verdict, World,
+    Cell, Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PlanError, TreeSegment, Verdict,
 };
 use truth::arm::chain::chain;
 use truth::rng::Rng;
 
 fn checker(joints: usize) -> Checker<JointTree> {
-    let (arm, world) = arm_among_posts(joints);
-    Checker::new(arm, world).expect("a world")
+    let (arm, cell) = arm_among_posts(joints);
+    Checker::new(arm, cell).expect("a world")
 }
 
-fn arm_among_posts(joints: usize) -> (JointTree, World) {
+fn arm_among_posts(joints: usize) -> (JointTree, Cell) {
     chain(joints, [-3.2, 3.2]).expect("an arm")
 }
 
@@ -52,20 +52,19 @@ fn queries(joints: usize, most: f64) -> f64 {
 /// Bounds of motions that turn thousands of times are of no use, and still the answer comes.
 #[test]
 fn joints_that_turn_thousands_of_times_end() {
-    let mut world = World::new();
+    let mut cell = Cell::new();
     let (mut chain, joints) = (Vec::new(), 9);
     for _ in 0..joints {
         let origin = Isometry3::translation(0.22, 0.0, 0.0);
         chain.push(Joint::revolute(origin, Vector3::z_axis(), [-1e15, 1e15]));
-        world.robot_body("link", solids::cuboid(Vector3::new(0.1, 0.04, 0.03)).expect("a box"));
+        cell.robot_body("link", solids::cuboid(Vector3::new(0.1, 0.04, 0.03)).expect("a box"));
     }
     let post = solids::cuboid(Vector3::new(0.03, 0.03, 0.6)).expect("a box");
-    world
-        .add_obstacle("post", post, Isometry3::translation(0.0, 30.0, 0.0))
+    cell.add_obstacle("post", post, Isometry3::translation(0.0, 30.0, 0.0))
         .expect("an obstacle");
-    world.exclude("link", "link").expect("names");
+    cell.exclude("link", "link").expect("names");
     let arm = JointTree::serial(Isometry3::identity(), chain, (1..=joints).collect(), 0.3).expect("an arm");
-    let mut checker = Checker::new(arm, world).expect("a world");
+    let mut checker = Checker::new(arm, cell).expect("a world");
     for turn in [1e4, 1e9, 1e15] {
         let verdict = checker.certify(&JointMotion::segment(&vec![-turn; joints], &vec![turn; joints]));
         assert!(!matches!(verdict, Ok(Verdict::Blocked { .. })), "{verdict:?}");
@@ -134,8 +133,8 @@ impl ConfigurationSpace for AboutOrigins {
 /// Motions about the origins of links and about the middles of bodies must find the same, each within
 /// its own bracket.
 fn same_verdicts(joints: usize, most: f64, count: usize) -> [u64; 2] {
-    let (arm, world) = arm_among_posts(joints);
-    let mut about_origins = Checker::new(AboutOrigins(arm), world).expect("a world");
+    let (arm, cell) = arm_among_posts(joints);
+    let mut about_origins = Checker::new(AboutOrigins(arm), cell).expect("a world");
     let (mut about_middles, mut judge) = (checker(joints), checker(joints));
     let mut rng = Rng::new(6);
     for _ in 0..count {

@@ -2,17 +2,17 @@
 
 use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree};
 use truth::arm::{self, motion};
-use truth::cells::Cell;
+use truth::cells::ArmCell;
 use truth::rng::Rng;
 
 fn of_meshes() -> Checker<JointTree> {
-    let cell = Cell::new(5);
-    Checker::new(cell.arm(), cell.world()).expect("a cell")
+    let cell = ArmCell::new(5);
+    Checker::new(cell.arm(), cell.cell()).expect("a cell")
 }
 
 fn of_hulls() -> Checker<JointTree> {
-    let (arm, world) = arm::in_cell().expect("the built-in cell");
-    Checker::new(arm, world).expect("a cell")
+    let (arm, cell) = arm::in_cell().expect("the built-in cell");
+    Checker::new(arm, cell).expect("a cell")
 }
 
 /// How many questions [`ask`] knows.
@@ -64,6 +64,6 @@ fn hulls_are_forgotten() {
 
 #[test]
 fn meshes_are_forgotten() {
-    let differing = judge(of_meshes, Cell::sample, 24);
+    let differing = judge(of_meshes, ArmCell::sample, 24);
     assert!(differing > 0, "nothing to forget");
 }

@@ -2,8 +2,8 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Shape};
-use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree, RigidSpace, World};
-use truth::cells::Cell;
+use lin_canny_plan::{Cell, Checker, ConfigurationSpace, JointMotion, JointTree, RigidSpace};
+use truth::cells::ArmCell;
 use truth::pose::Pose;
 use truth::rng::Rng;
 use truth::{brute, soups::Soup};
@@ -32,13 +32,13 @@ fn meet((a, p): (&Soup, &Isometry3<f64>), (b, q): (&Soup, &Isometry3<f64>)) -> O
 }
 
 /// Whether a configuration is free, by brute force.
-fn is_free(cell: &Cell, arm: &JointTree, q: &[f64]) -> Option<bool> {
+fn is_free(cell: &ArmCell, arm: &JointTree, q: &[f64]) -> Option<bool> {
     let mut poses = Vec::new();
     arm.place(q, &mut poses);
     for (i, link) in cell.links.iter().enumerate() {
         let obstacles = cell.obstacles.iter().enumerate().filter(|(k, _)| (i, *k) != (0, 0));
         let others = obstacles.map(|(_, (soup, pose))| (soup, pose));
-        let own = (i + 1..cell.links.len()).filter(|&k| !Cell::is_excluded(i, k));
+        let own = (i + 1..cell.links.len()).filter(|&k| !ArmCell::is_excluded(i, k));
         for other in others.chain(own.map(|k| (&cell.links[k], &poses[k]))) {
             if meet((link, &poses[i]), other)? {
                 return Some(false);
@@ -50,14 +50,14 @@ fn is_free(cell: &Cell, arm: &JointTree, q: &[f64]) -> Option<bool> {
 
 /// Compares warm and cold answers with brute force; returns how many configurations are free and how many are not.
 fn judge(count: usize, seed: u64) -> [usize; 2] {
-    let cell = Cell::new(5);
+    let cell = ArmCell::new(5);
     let arm = cell.arm();
-    let mut warm = Checker::new(cell.arm(), cell.world()).expect("a cell");
+    let mut warm = Checker::new(cell.arm(), cell.cell()).expect("a cell");
     let (mut rng, mut tally, mut q) = (Rng::new(seed), [0; 2], Vec::new());
     for k in 0..count {
         // Every other configuration is near the last one.
         q = match k % 2 {
-            0 => Cell::sample(&mut rng),
+            0 => ArmCell::sample(&mut rng),
             _ => arm.moved(&q, &[0; 6].map(|_| rng.range(-0.02, 0.02))),
         };
         let Some(truth) = is_free(&cell, &arm, &q) else {
@@ -65,7 +65,7 @@ fn judge(count: usize, seed: u64) -> [usize; 2] {
         };
         assert_eq!(warm.is_free_at(&q).expect("a configuration"), truth, "{k} {q:?}");
         if k % 16 == 0 {
-            let mut cold = Checker::new(cell.arm(), cell.world()).expect("a cell");
+            let mut cold = Checker::new(cell.arm(), cell.cell()).expect("a cell");
             assert_eq!(cold.is_free_at(&q).expect("a configuration"), truth, "{k} {q:?}");
         }
         tally[usize::from(truth)] += 1;
@@ -90,17 +90,17 @@ fn free_or_not_equals_brute_force_a_hundred_thousand_times() {
 
 #[test]
 fn a_margin_makes_configurations_blocked_that_are_nearer() {
-    let cell = Cell::new(8);
-    let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
+    let cell = ArmCell::new(8);
+    let mut checker = Checker::new(cell.arm(), cell.cell()).expect("a cell");
     let (mut rng, mut tally) = (Rng::new(33), [0; 2]);
     for _ in 0..200 {
-        let q = Cell::sample(&mut rng);
+        let q = ArmCell::sample(&mut rng);
         let near = checker.clearance(&q).expect("a configuration").expect("a pair");
         if !(near.lower > 0.0) {
             continue;
         }
         for (part, is_free) in [(0.999, true), (1.001, false)] {
-            checker.world_mut().set_margin(near.distance * part).expect("a margin");
+            checker.cell_mut().set_margin(near.distance * part).expect("a margin");
             assert_eq!(checker.is_free_at(&q).expect("a configuration"), is_free, "{near:?}");
             assert_eq!(
                 checker.is_free(&JointMotion::segment(&q, &q)).expect("a configuration"),
@@ -109,27 +109,27 @@ fn a_margin_makes_configurations_blocked_that_are_nearer() {
             );
             tally[usize::from(is_free)] += 1;
         }
-        checker.world_mut().set_margin(0.0).expect("a margin");
+        checker.cell_mut().set_margin(0.0).expect("a margin");
     }
     assert!(tally[0] > 20, "{tally:?}");
 }
 
 #[test]
 fn a_configuration_of_another_space_is_refused() {
-    let cell = Cell::new(5);
-    let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
+    let cell = ArmCell::new(5);
+    let mut checker = Checker::new(cell.arm(), cell.cell()).expect("a cell");
     assert!(checker.is_free_at(&[0.0; 5]).is_err());
     assert!(checker.is_free_at(&[f64::NAN; 6]).is_err());
 }
 
 #[test]
 fn a_segment_that_ends_in_contact_takes_no_distance() {
-    let cell = Cell::new(5);
+    let cell = ArmCell::new(5);
     let arm = cell.arm();
-    let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
+    let mut checker = Checker::new(cell.arm(), cell.cell()).expect("a cell");
     let (mut rng, mut tally) = (Rng::new(34), [0; 3]);
     for _ in 0..60 {
-        let from = Cell::sample(&mut rng);
+        let from = ArmCell::sample(&mut rng);
         let to = arm.moved(&from, &[0; 6].map(|_| rng.range(-0.2, 0.2)));
         let ends = [&from, &to].map(|q| checker.is_free_at(q).expect("a configuration"));
         let before = checker.work();
@@ -167,13 +167,12 @@ fn tips_of_obstacles_at_poses_off_unit_length_are_met() {
             Vector3::zeros().into(),
             UnitQuaternion::new_unchecked(q.into_inner() * length),
         );
-        let mut world = World::new();
-        world.robot_body("probe", Shape::ball(radius).expect("a ball"));
-        world
-            .add_obstacle("octahedron", body.clone(), pose)
+        let mut cell = Cell::new();
+        cell.robot_body("probe", Shape::ball(radius).expect("a ball"));
+        cell.add_obstacle("octahedron", body.clone(), pose)
             .expect("an obstacle");
         let space = RigidSpace::new([[-2e3, 2e3]; 3], 1.0, 1).expect("a space");
-        let mut checker = Checker::new(space, world).expect("a world");
+        let mut checker = Checker::new(space, cell).expect("a world");
         for (x, y) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
             for (depth, is_free) in [(4e-10, false), (-4e-10, true)] {
                 let out = 1.0 + radius - depth;

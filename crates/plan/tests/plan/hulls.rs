@@ -5,8 +5,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Mesh, PairTracker, RelativePose};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, JointCurve, JointMotion, RigidSpace, TimedPoses, TranslationSpace, Verdict, World,
-    WorldId, WorldPair,
+    Cell, CellBody, CellPair, Checker, ConfigurationSpace, JointCurve, JointMotion, RigidSpace, TimedPoses,
+    TranslationSpace, Verdict,
 };
 use truth::rng::Rng;
 
@@ -29,8 +29,8 @@ fn angle() -> Mesh {
 /// A mesh among meshes and hulls; with a flat mesh, which has no hull.
 fn room(seed: u64) -> Checker<RigidSpace> {
     let mut rng = Rng::new(seed);
-    let mut world = World::new();
-    world.robot_body("angle", angle());
+    let mut cell = Cell::new();
+    cell.robot_body("angle", angle());
     let block = solids::cuboid(Vector3::new(0.3, 0.4, 0.5)).expect("a box");
     let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from);
     let sheet = Mesh::new(&corners, &[[0, 1, 2]]).expect("a triangle");
@@ -39,13 +39,13 @@ fn room(seed: u64) -> Checker<RigidSpace> {
         let turn = Vector3::from(rng.unit()) * rng.range(0.0, 3.0);
         let pose = Isometry3::from_parts(at.into(), UnitQuaternion::from_scaled_axis(turn));
         match k % 4 {
-            0 => world.add_obstacle(k, block.clone(), pose).expect("an obstacle"),
-            1 => world.add_obstacle(k, sheet.clone(), pose).expect("an obstacle"),
-            _ => world.add_obstacle(k, angle(), pose).expect("an obstacle"),
+            0 => cell.add_obstacle(k, block.clone(), pose).expect("an obstacle"),
+            1 => cell.add_obstacle(k, sheet.clone(), pose).expect("an obstacle"),
+            _ => cell.add_obstacle(k, angle(), pose).expect("an obstacle"),
         };
     }
     let space = RigidSpace::new([[-5.0, 5.0]; 3], 1.6, 1).expect("a space");
-    Checker::new(space, world).expect("a world")
+    Checker::new(space, cell).expect("a world")
 }
 
 fn sample(checker: &Checker<RigidSpace>, rng: &mut Rng) -> Vec<f64> {
@@ -56,13 +56,13 @@ fn sample(checker: &Checker<RigidSpace>, rng: &mut Rng) -> Vec<f64> {
 fn distances(checker: &Checker<RigidSpace>, q: &[f64]) -> Vec<f64> {
     let mut poses = Vec::new();
     checker.space().place(q, &mut poses);
-    let world = checker.world();
-    let robot = world.geometry(WorldId::Robot(0)).expect("the angle");
+    let cell = checker.cell();
+    let robot = cell.geometry(CellBody::Robot(0)).expect("the angle");
     let of = |(_, shape, pose)| {
         let relative = RelativePose::new(&poses[0], pose).expect("poses are poses");
         PairTracker::new().closest(robot, shape, &relative).distance.max(0.0)
     };
-    world.obstacles().map(of).collect()
+    cell.obstacles().map(of).collect()
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn configurations_have_the_answers_of_the_meshes() {
         let mut checker = room(seed);
         let mut rng = Rng::new(100 + seed);
         for margin in [0.0, 0.2] {
-            checker.world_mut().set_margin(margin).expect("a margin");
+            checker.cell_mut().set_margin(margin).expect("a margin");
             for _ in 0..60 {
                 let q = sample(&checker, &mut rng);
                 let all = distances(&checker, &q);
@@ -128,7 +128,7 @@ fn segments_have_the_verdicts_of_the_meshes() {
             blocked += 1;
             let at = |t: f64| checker.space().between(&from, &to, t);
             let all = distances(&checker, &at(t));
-            let WorldId::Obstacle(k) = pair.b else {
+            let CellBody::Obstacle(k) = pair.b else {
                 panic!("{pair:?}")
             };
             assert!(all[k] < 1e-9, "{pair:?} at {t}: {}", all[k]);
@@ -149,14 +149,14 @@ fn segments_have_the_verdicts_of_the_meshes() {
 /// other, the meshes decide.
 #[test]
 fn meshes_are_not_queried_where_their_hulls_are_apart() {
-    let mut world = World::new();
-    world.robot_body("angle", angle());
+    let mut cell = Cell::new();
+    cell.robot_body("angle", angle());
     let turned = UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::PI);
-    let other = world
+    let other = cell
         .add_obstacle("other", angle(), Isometry3::from_parts(Vector3::zeros().into(), turned))
         .expect("an obstacle");
     let space = RigidSpace::new([[-5.0, 5.0]; 3], 1.6, 1).expect("a space");
-    let mut checker = Checker::new(space.clone(), world.clone()).expect("a world");
+    let mut checker = Checker::new(space.clone(), cell.clone()).expect("a world");
     let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, 0.0));
     // The notches face each other. In the third place an arm of each is in the notch of the other.
     let [far, near, notch] = [at(-1.6, -1.6), at(-1.7, -1.55), at(-1.4, -1.51)];
@@ -175,7 +175,7 @@ fn meshes_are_not_queried_where_their_hulls_are_apart() {
     };
     apart(&mut checker);
     // A copy of the world shares the hulls.
-    apart(&mut Checker::new(space, checker.world().clone()).expect("a world"));
+    apart(&mut Checker::new(space, checker.cell().clone()).expect("a world"));
     let before = checker.work();
     assert!(!checker.is_free_at(&at(-0.2, 0.2)).expect("a configuration"));
     assert_eq!(checker.work().decisions, before.decisions + 1);
@@ -184,10 +184,7 @@ fn meshes_are_not_queried_where_their_hulls_are_apart() {
     // The hull of a geometry that is replaced goes with it.
     let block = solids::cuboid(Vector3::repeat(4.0)).expect("a box");
     let large = Mesh::from_convex(&block).expect("a mesh");
-    checker
-        .world_mut()
-        .replace_obstacle(other, large)
-        .expect("the obstacle");
+    checker.cell_mut().replace_obstacle(other, large).expect("the obstacle");
     assert!(!checker.is_free_at(&far).expect("a configuration"));
 }
 
@@ -201,36 +198,36 @@ fn hulls_keep_what_each_pair_must_keep() {
         let tent = Mesh::new(&corners, &[[0, 1, 3], [1, 2, 3]]).expect("an open mesh");
         let pose = Isometry3::translation(1.0, -1.0, 0.5);
         checker
-            .world_mut()
+            .cell_mut()
             .add_obstacle("tent", tent, pose)
             .expect("an obstacle");
         let grip = Isometry3::translation(1.2, 0.0, 0.3);
-        let tool = checker.world_mut().attach("angle", "tool", angle(), grip, &["angle"]);
+        let tool = checker.cell_mut().attach("angle", "tool", angle(), grip, &["angle"]);
         let tool = tool.expect("a tool");
-        checker.world_mut().set_margin(0.01).expect("a margin");
-        checker.world_mut().pad(tool, 0.15).expect("the tool");
-        checker.world_mut().pad("tent", 0.05).expect("the tent");
+        checker.cell_mut().set_margin(0.01).expect("a margin");
+        checker.cell_mut().pad(tool, 0.15).expect("the tool");
+        checker.cell_mut().pad("tent", 0.05).expect("the tent");
         checker
-            .world_mut()
+            .cell_mut()
             .set_pair_margin("angle", "2", Some(0.4))
             .expect("a pair");
         // The least distance of a pair by the meshes alone, less what it must keep.
         let excess = |checker: &Checker<RigidSpace>, q: &[f64]| {
-            let world = checker.world();
+            let cell = checker.cell();
             let mut least = f64::INFINITY;
-            for (other, _) in world.bodies().filter(|(id, _)| matches!(id, WorldId::Obstacle(_))) {
-                for mover in [WorldId::Robot(0), tool] {
-                    let pair = WorldPair::new(mover, other).expect("a pair");
+            for (other, _) in cell.bodies().filter(|(id, _)| matches!(id, CellBody::Obstacle(_))) {
+                for mover in [CellBody::Robot(0), tool] {
+                    let pair = CellPair::new(mover, other).expect("a pair");
                     let [a, b] = [mover, other].map(|id| checker.pose(id, q).expect("a body"));
                     let relative = RelativePose::new(&a, &b).expect("poses are poses");
-                    let [a, b] = [mover, other].map(|id| world.geometry(id).expect("a body"));
+                    let [a, b] = [mover, other].map(|id| cell.geometry(id).expect("a body"));
                     let distance = PairTracker::new().closest(a, b, &relative).distance.max(0.0);
-                    least = least.min(distance - world.kept_distance(pair));
+                    least = least.min(distance - cell.kept_distance(pair));
                 }
             }
             least
         };
-        let mut judge = Checker::new(checker.space().clone(), checker.world().clone()).expect("a world");
+        let mut judge = Checker::new(checker.space().clone(), checker.cell().clone()).expect("a world");
         let mut rng = Rng::new(400 + seed);
         for _ in 0..60 {
             let from = sample(&checker, &mut rng);
@@ -267,12 +264,12 @@ fn moving_meshes_have_the_verdicts_of_the_meshes() {
             let turn = UnitQuaternion::from_scaled_axis(at * 0.2);
             Isometry3::from_parts(at.into(), turn)
         });
-        let mut world = World::new();
-        world.robot_body("angle", angle());
+        let mut cell = Cell::new();
+        cell.robot_body("angle", angle());
         let poses = TimedPoses::new(&[0.0, 1.0, 3.0], &poses).expect("timed poses");
-        world.add_moving_obstacle("other", angle(), poses).expect("an obstacle");
+        cell.add_moving_obstacle("other", angle(), poses).expect("an obstacle");
         let space = TranslationSpace::new([[-5.0, 5.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
-        let mut checker = Checker::new(space, world).expect("a world");
+        let mut checker = Checker::new(space, cell).expect("a world");
         let curve = JointCurve::bezier(&[from, to]).expect("a curve");
         let curve = curve.with_times([0.5, 2.5]).expect("times");
         let verdict = checker.certify(&JointMotion::curve(&curve)).expect("a curve");

@@ -5,7 +5,7 @@ use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::separation::{Proof, Separation};
 use lin_canny::{ConvexPolyhedron, Operand, RelativePose, Tracker, Velocity, normalize_rotation};
-use lin_canny_plan::{PairProof, WorldId};
+use lin_canny_plan::{CellBody, PairProof};
 
 /// Hulls at poses.
 pub(crate) type Placed = (ConvexPolyhedron, Isometry3<f64>);
@@ -58,7 +58,7 @@ pub(crate) fn replay(
     assert_eq!(proofs.len(), obstacles.len());
     let motion = Steady::between(from, to, 1.0, Point3::origin()).expect("a segment");
     for proof in proofs {
-        let WorldId::Obstacle(k) = proof.pair.b else {
+        let CellBody::Obstacle(k) = proof.pair.b else {
             panic!("{proof:?}")
         };
         let resting = Steady::new(&obstacles[k].1, Velocity::default()).expect("a pose");

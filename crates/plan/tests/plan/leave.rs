@@ -3,7 +3,7 @@
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ContactState, Geometry, Mesh, PairTracker, RelativePose, Shape};
-use lin_canny_plan::{Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PlanError, Verdict, World, WorldId};
+use lin_canny_plan::{Cell, CellBody, Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PlanError, Verdict};
 use truth::rng::Rng;
 
 /// An arm that moves its last link along x, y and z, and then rotates it about z and x.
@@ -47,14 +47,14 @@ fn run(seed: u64, count: u64) {
     for case in 0..count {
         let mut rng = Rng::of_case(seed, case);
         let table = rng.pick(&parts()).clone();
-        let mut world = World::new();
-        world.robot_body("hand", Shape::ball(0.01).expect("a ball"));
+        let mut cell = Cell::new();
+        cell.robot_body("hand", Shape::ball(0.01).expect("a ball"));
         let space = arm();
-        let mut checker = Checker::new(space, world).expect("a checker");
+        let mut checker = Checker::new(space, cell).expect("a checker");
         // The part is below the hand, and the table is below the part.
         let below = Isometry3::translation(0.0, 0.0, -0.3);
         let id = checker
-            .world_mut()
+            .cell_mut()
             .attach("hand", "part", rng.pick(&parts()).clone(), below, &["hand"]);
         let id = id.expect("an object");
         let q: Vec<f64> = (0..5).map(|_| rng.range(-0.5, 0.5)).collect();
@@ -62,11 +62,11 @@ fn run(seed: u64, count: u64) {
         let q = if upright { [&q[..4], &[0.0]].concat() } else { q };
         let resting = checker.pose(id, &q).expect("a pose") * Isometry3::translation(0.1, 0.05, -0.1);
         checker
-            .world_mut()
+            .cell_mut()
             .add_obstacle("table", table.clone(), resting)
             .expect("a table");
         let margin = [0.0, 5e-4][rng.below(2)];
-        checker.world_mut().set_margin(margin).expect("a margin");
+        checker.cell_mut().set_margin(margin).expect("a margin");
         checker.set_start_contact_margin(Some(1e-3)).expect("a margin");
         let mut goal: Vec<f64> = q.iter().map(|x| x + rng.range(-0.4, 0.4)).collect();
         let is_sliding = upright && rng.chance(0.5);
@@ -77,7 +77,7 @@ fn run(seed: u64, count: u64) {
         }
         let is_up = upright && goal[4] == q[4];
         let verdict = checker.certify(&JointMotion::segment(&q, &goal)).expect("a verdict");
-        let part = checker.world().geometry(id).expect("an object").clone();
+        let part = checker.cell().geometry(id).expect("an object").clone();
         let distance = |t: f64| {
             let at = checker.space().between(&q, &goal, t);
             let pose = checker.pose(id, &at).expect("a pose");
@@ -90,7 +90,7 @@ fn run(seed: u64, count: u64) {
                 let [leaving] = start_contacts[..] else {
                     panic!("{case}: {verdict:?}")
                 };
-                assert_eq!([leaving.pair.a, leaving.pair.b], [id, WorldId::Obstacle(0)]);
+                assert_eq!([leaving.pair.a, leaving.pair.b], [id, CellBody::Obstacle(0)]);
                 let contact = leaving.contact;
                 assert!(contact.distance.abs() < 2e-9 && contact.kept > -2e-9, "{contact:?}");
                 assert!(
@@ -142,9 +142,9 @@ fn parts_are_lifted_and_slid_but_not_pressed_in_full() {
 
 #[test]
 fn margins_out_of_range_are_named() {
-    let mut world = World::new();
-    world.robot_body("hand", Shape::ball(0.01).expect("a ball"));
-    let mut checker = Checker::new(arm(), world).expect("a checker");
+    let mut cell = Cell::new();
+    cell.robot_body("hand", Shape::ball(0.01).expect("a ball"));
+    let mut checker = Checker::new(arm(), cell).expect("a checker");
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
         let found = checker.set_start_contact_margin(Some(bad)).expect_err("an error");
         assert!(

@@ -4,23 +4,22 @@ use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, EdgeKind, JointMotion, Opportunistic, Plan, PlanMethod, PlanOptions, PlanarSpace,
-    RigidSpace, RrtConnect, Shortcuts, World,
+    Cell, Checker, ConfigurationSpace, EdgeKind, JointMotion, Opportunistic, Plan, PlanMethod, PlanOptions,
+    PlanarSpace, RigidSpace, RrtConnect, Shortcuts,
 };
 
 /// A rectangle in the plane, and two walls with a gap in which it fits lengthwise only.
 fn gap(half: f64) -> (Checker<PlanarSpace>, [[f64; 3]; 2]) {
-    let mut world = World::new();
+    let mut cell = Cell::new();
     let rectangle = solids::cuboid(Vector3::new(0.5, 0.1, 0.1)).expect("a box");
-    world.robot_body("rectangle", rectangle);
+    cell.robot_body("rectangle", rectangle);
     for side in [1.0, -1.0] {
         let wall = solids::cuboid(Vector3::new(0.3, 1.0, 1.0)).expect("a box");
-        world
-            .add_obstacle("wall", wall, Isometry3::translation(0.0, side * (1.0 + half), 0.0))
+        cell.add_obstacle("wall", wall, Isometry3::translation(0.0, side * (1.0 + half), 0.0))
             .expect("an obstacle");
     }
     let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
-    let checker = Checker::new(space, world).expect("a world");
+    let checker = Checker::new(space, cell).expect("a world");
     (checker, [[-1.5, 0.5, 1.57], [1.5, -0.5, 1.57]])
 }
 
@@ -142,9 +141,9 @@ fn a_callback_stops_every_method() {
 /// No pair is near: growth costs no query, and still ends.
 #[test]
 fn a_search_without_queries_ends() {
-    let mut world = World::new();
+    let mut cell = Cell::new();
     let die = solids::cuboid(Vector3::repeat(0.1)).expect("a box");
-    world.robot_body("die", die);
+    cell.robot_body("die", die);
     // A closed box of thin walls around the goal.
     for axis in 0..3 {
         let mut half = Vector3::repeat(0.4);
@@ -153,13 +152,12 @@ fn a_search_without_queries_ends() {
         for side in [-0.4, 0.4] {
             let mut at = Vector3::new(3.0, 0.0, 0.0);
             at[axis] += side;
-            world
-                .add_obstacle("wall", wall.clone(), Isometry3::translation(at.x, at.y, at.z))
+            cell.add_obstacle("wall", wall.clone(), Isometry3::translation(at.x, at.y, at.z))
                 .expect("an obstacle");
         }
     }
     let space = RigidSpace::new([[-50.0, 50.0]; 3], 0.2, 1).expect("a space");
-    let mut checker = Checker::new(space, world).expect("a world");
+    let mut checker = Checker::new(space, cell).expect("a world");
     let at = |x: f64| RigidSpace::configuration(&Isometry3::translation(x, 0.0, 0.0));
     let trees = options(1).samples(3000);
     let found = RrtConnect::new(&trees)

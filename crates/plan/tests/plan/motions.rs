@@ -5,7 +5,7 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
-    CertifyOptions, Checker, Joint, JointCurve, JointMotion, JointTree, PlanError, TimedPoses, Verdict, World,
+    Cell, CertifyOptions, Checker, Joint, JointCurve, JointMotion, JointTree, PlanError, TimedPoses, Verdict,
 };
 use truth::rng::Rng;
 
@@ -15,24 +15,23 @@ fn rails(has_cart: bool) -> Checker<JointTree> {
     let rail = |axis| Joint::prismatic(origin, axis, [-4.0, 4.0]);
     let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
     let block = JointTree::serial(origin, rails, vec![2], 0.1).expect("rails");
-    let mut world = World::new();
-    world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    let mut cell = Cell::new();
+    cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
     let post = solids::cuboid(Vector3::repeat(0.3)).expect("a box");
     if has_cart {
         let at = |y: f64| Isometry3::translation(0.0, y, 0.0);
         let poses = TimedPoses::new(&[0.0, 10.0], &[at(-3.0), at(3.0)]).expect("poses");
-        world.add_moving_obstacle("cart", post, poses).expect("an obstacle");
+        cell.add_moving_obstacle("cart", post, poses).expect("an obstacle");
     } else {
-        world.add_obstacle("post", post, origin).expect("an obstacle");
+        cell.add_obstacle("post", post, origin).expect("an obstacle");
     }
-    world
-        .add_obstacle(
-            "ball",
-            Shape::ball(0.2).expect("a ball"),
-            Isometry3::translation(2.0, 2.0, 0.0),
-        )
-        .expect("an obstacle");
-    Checker::new(block, world).expect("a world")
+    cell.add_obstacle(
+        "ball",
+        Shape::ball(0.2).expect("a ball"),
+        Isometry3::translation(2.0, 2.0, 0.0),
+    )
+    .expect("an obstacle");
+    Checker::new(block, cell).expect("a world")
 }
 
 fn rows(rng: &mut Rng, count: usize) -> Vec<Vec<f64>> {
@@ -149,7 +148,7 @@ fn a_tube_around_a_path_holds_for_each_piece() {
         .expect("a contact");
     assert!((found.1[1] - 0.39).abs() < 1e-12, "{found:?}");
     // The margin and the start contacts of the checker are as before.
-    assert_eq!((checker.world().margin(), checker.start_contact_margin()), (0.0, None));
+    assert_eq!((checker.cell().margin(), checker.start_contact_margin()), (0.0, None));
     assert!(checker.certify(&path).expect("within limits").is_free());
     let along = checker.clearance_along(&path, 1e-2).expect("within limits");
     assert!(

@@ -7,8 +7,8 @@ use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, V
 use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, HalfSpace, Shape};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, PlanError, PlanOptions, RrtConnect,
-    TimedPoses, TranslationSpace, Verdict, World, WorldId, WorldPair,
+    Cell, CellBody, CellPair, Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, PlanError,
+    PlanOptions, RrtConnect, TimedPoses, TranslationSpace, Verdict,
 };
 use truth::rng::Rng;
 
@@ -39,14 +39,13 @@ fn slider(size: f64, obstacles: &[(Geometry, TimedPoses)]) -> Checker<JointTree>
         Joint::revolute(origin, Vector3::z_axis(), [-10.0, 10.0]),
     ];
     let space = JointTree::serial(origin, joints, vec![3], 2.0 * size).expect("an arm");
-    let mut world = World::new();
-    world.robot_body("block", cuboid([size; 3]));
+    let mut cell = Cell::new();
+    cell.robot_body("block", cuboid([size; 3]));
     for (k, (geometry, poses)) in obstacles.iter().enumerate() {
-        world
-            .add_moving_obstacle(format!("cart {k}"), geometry.clone(), poses.clone())
+        cell.add_moving_obstacle(format!("cart {k}"), geometry.clone(), poses.clone())
             .expect("an obstacle");
     }
-    Checker::new(space, world).expect("a world")
+    Checker::new(space, cell).expect("a world")
 }
 
 fn curve(points: &[[f64; 3]], times: [f64; 2]) -> JointCurve {
@@ -174,13 +173,12 @@ fn an_obstacle_that_keeps_pace_is_free_unless_it_touches() {
             let body = solids::cuboid(Vector3::repeat(half)).expect("a box");
             body.transformed(&at(2.0, y, 0.0)).expect("a box")
         };
-        let mut world = World::new();
-        world.robot_body("block", placed(0.0, 0.5));
+        let mut cell = Cell::new();
+        cell.robot_body("block", placed(0.0, 0.5));
         let quarters = [0.0, 1.0, 2.0].map(|k| Isometry3::rotation(Vector3::z() * (k * FRAC_PI_2)));
-        world
-            .add_moving_obstacle("arm", placed(0.9 + gap, 0.4), poses(&[0.0, 1.0, 2.0], &quarters))
+        cell.add_moving_obstacle("arm", placed(0.9 + gap, 0.4), poses(&[0.0, 1.0, 2.0], &quarters))
             .expect("an obstacle");
-        let mut checker = Checker::new(space, world).expect("a world");
+        let mut checker = Checker::new(space, cell).expect("a world");
         let along = JointCurve::bezier(&[[0.0], [PI]]).expect("a curve");
         let along = along.with_times([0.0, 2.0]).expect("times");
         let found = checker.certify(&JointMotion::curve(&along)).expect("within limits");
@@ -447,7 +445,7 @@ fn everything_without_a_time_is_an_error() {
             Some(none()),
             "{has_time}"
         );
-        let id = WorldId::Obstacle(0);
+        let id = CellBody::Obstacle(0);
         if !has_time {
             assert_eq!(checker.clearance(&p), Err(none()));
             assert_eq!(checker.nearest(&p, 1.0), Err(none()));
@@ -517,11 +515,11 @@ fn moving_obstacles_come_and_go() {
     );
     checker.set_time(0.5).expect("nothing moves");
     let id = checker
-        .world_mut()
+        .cell_mut()
         .add_moving_obstacle("press", cuboid([1.0; 3]), timed.clone())
         .expect("a pose");
-    assert_eq!(checker.world().obstacle_motion(id), Some(&timed));
-    assert_eq!(checker.world().obstacle_pose(id), Some(&rows[0]));
+    assert_eq!(checker.cell().obstacle_motion(id), Some(&timed));
+    assert_eq!(checker.cell().obstacle_pose(id), Some(&rows[0]));
     assert_eq!(
         checker.clearance(&[0.0; 3]).expect("a pose").expect("a pair").distance,
         1.0
@@ -538,7 +536,7 @@ fn moving_obstacles_come_and_go() {
             .is_free()
     );
     checker
-        .world_mut()
+        .cell_mut()
         .replace_obstacle(id, cuboid([0.1; 3]))
         .expect("an obstacle");
     assert!(
@@ -550,7 +548,7 @@ fn moving_obstacles_come_and_go() {
     // Without a pose at the time of configurations.
     let late = poses(&[2.0, 3.0], &rows);
     let late = checker
-        .world_mut()
+        .cell_mut()
         .add_moving_obstacle("late", cuboid([0.1; 3]), late)
         .expect("a box");
     for error in [
@@ -561,17 +559,17 @@ fn moving_obstacles_come_and_go() {
     ] {
         assert!(matches!(error, Err(PlanError::PoseTime { .. })), "{error:?}");
     }
-    checker.world_mut().remove_obstacle(late).expect("an obstacle");
+    checker.cell_mut().remove_obstacle(late).expect("an obstacle");
     assert_eq!(
         checker.clearance(&[0.0; 3]).expect("a pose").expect("a pair").distance,
         1.9
     );
     // At rest, then gone.
     checker
-        .world_mut()
+        .cell_mut()
         .move_obstacle(id, at(0.0, 3.0, 0.0))
         .expect("an obstacle");
-    assert_eq!(checker.world().obstacle_motion(id), None);
+    assert_eq!(checker.cell().obstacle_motion(id), None);
     assert!(
         checker
             .certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3]))
@@ -586,11 +584,11 @@ fn moving_obstacles_come_and_go() {
             .is_free()
     );
     let id = checker
-        .world_mut()
+        .cell_mut()
         .add_moving_obstacle("press", cuboid([1.0; 3]), timed)
         .expect("a pose");
     assert!(checker.certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3])).is_err());
-    checker.world_mut().remove_obstacle(id).expect("an obstacle");
+    checker.cell_mut().remove_obstacle(id).expect("an obstacle");
     assert!(
         checker
             .certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3]))
@@ -610,10 +608,10 @@ fn contacts_at_the_start_with_moving_obstacles_are_not_accepted() {
     assert!(matches!(found, Verdict::Blocked { contact_at: 0.0, .. }), "{found:?}");
     assert_eq!(crate::prove(&mut checker, &JointMotion::curve(&along)), Ok(None));
     checker
-        .world_mut()
+        .cell_mut()
         .add_obstacle("table", cuboid([1.0; 3]), at(0.0, -1.5, 0.0))
         .expect("a pose");
-    checker.world_mut().remove_obstacle("cart 0").expect("an obstacle");
+    checker.cell_mut().remove_obstacle("cart 0").expect("an obstacle");
     assert!(checker.certify(&JointMotion::curve(&along)).expect("times").is_free());
 }
 
@@ -642,18 +640,17 @@ fn wander(rng: &mut Rng, far: f64) -> TimedPoses {
     poses(&times, &rows)
 }
 
-fn among(space: JointTree, mut world: World, rng: &mut Rng, far: f64) -> Checker<JointTree> {
+fn among(space: JointTree, mut cell: Cell, rng: &mut Rng, far: f64) -> Checker<JointTree> {
     for k in 0..3 {
         let half = [0.0; 3].map(|_: f64| rng.range(0.03, 0.12));
         let geometry = match k {
             0 => Geometry::from(Shape::ball(half[0]).expect("a ball")),
             _ => cuboid(half),
         };
-        world
-            .add_moving_obstacle(format!("moving {k}"), geometry, wander(rng, far))
+        cell.add_moving_obstacle(format!("moving {k}"), geometry, wander(rng, far))
             .expect("an obstacle");
     }
-    Checker::new(space, world).expect("a world")
+    Checker::new(space, cell).expect("a world")
 }
 
 #[derive(Debug, Default)]
@@ -669,9 +666,9 @@ struct Counts {
 fn judged(joints: usize, worlds: usize, curves: usize, places: u32, seed: u64) -> Counts {
     let (mut rng, mut counts) = (Rng::new(seed), Counts::default());
     for _ in 0..worlds {
-        let (space, world) = truth::arm::chain::chain(joints, [-1e3, 1e3]).expect("an arm");
-        let mut checker = among(space.clone(), world, &mut rng, 0.35 * joints as f64);
-        let mut judge = Checker::new(space, checker.world().clone()).expect("a world");
+        let (space, cell) = truth::arm::chain::chain(joints, [-1e3, 1e3]).expect("an arm");
+        let mut checker = among(space.clone(), cell, &mut rng, 0.35 * joints as f64);
+        let mut judge = Checker::new(space, checker.cell().clone()).expect("a world");
         for k in 0..curves {
             // An obstacle may be at the base.
             let (begin, from) = loop {
@@ -750,8 +747,8 @@ fn hundreds_of_curves_among_moving_obstacles_are_as_the_verdict_says() {
 #[test]
 fn proofs_clearances_and_tubes_agree_with_verdicts() {
     let mut rng = Rng::new(31);
-    let (space, world) = truth::arm::chain::chain(4, [-1e3, 1e3]).expect("an arm");
-    let mut checker = among(space, world, &mut rng, 1.4);
+    let (space, cell) = truth::arm::chain::chain(4, [-1e3, 1e3]).expect("an arm");
+    let mut checker = among(space, cell, &mut rng, 1.4);
     let mut free = 0;
     for k in 0..24 {
         let from: Vec<f64> = (0..4).map(|_| rng.range(-1.0, 1.0)).collect();
@@ -833,8 +830,8 @@ fn verdicts_have_the_same_bits_on_every_thread_and_after_forget() {
         each.collect()
     };
     let new = || {
-        let (space, world) = truth::arm::chain::chain(5, [-1e3, 1e3]).expect("an arm");
-        among(space, world, &mut Rng::new(77), 1.8)
+        let (space, cell) = truth::arm::chain::chain(5, [-1e3, 1e3]).expect("an arm");
+        among(space, cell, &mut Rng::new(77), 1.8)
     };
     let mut checker = new();
     let expected = ask(&mut checker);
@@ -848,7 +845,7 @@ fn verdicts_have_the_same_bits_on_every_thread_and_after_forget() {
 /// Scenes of all sizes have the same verdicts: to the bit, unless the size crosses a limit of storage.
 #[test]
 fn scenes_of_all_sizes_have_equal_verdicts() {
-    type Found = Option<(f64, f64, WorldPair)>;
+    type Found = Option<(f64, f64, CellPair)>;
     let scene = |exponent: i32, clock: f64| -> Vec<Found> {
         let unit = 2f64.powi(exponent);
         let placed = |x: f64, y: f64, turn: f64| {
@@ -911,15 +908,14 @@ fn scenes_of_all_sizes_have_equal_verdicts() {
 /// A rigid robot in the plane of a conveyor: every space follows straight curves among moving obstacles.
 #[test]
 fn spaces_without_joints_follow_straight_curves() {
-    let mut world = World::new();
-    world.robot_body("drone", cuboid([0.5; 3]));
+    let mut cell = Cell::new();
+    cell.robot_body("drone", cuboid([0.5; 3]));
     let rows = [at(5.0, 0.0, 0.0), at(-5.0, 0.0, 0.0)];
-    world
-        .add_moving_obstacle("train", cuboid([0.5; 3]), poses(&[0.0, 10.0], &rows))
+    cell.add_moving_obstacle("train", cuboid([0.5; 3]), poses(&[0.0, 10.0], &rows))
         .expect("an obstacle");
     let space = TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
     assert_eq!(space.coordinates(), 3);
-    let mut checker = Checker::new(space, world).expect("a world");
+    let mut checker = Checker::new(space, cell).expect("a world");
     let to = |y: f64| {
         let curve = JointCurve::bezier(&[[-5.0, 0.0, 0.0], [5.0, y, 0.0]]).expect("a curve");
         curve.with_times([0.0, 10.0]).expect("times")

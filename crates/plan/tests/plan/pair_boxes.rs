@@ -7,7 +7,7 @@ use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PairBoxes, PlanError, PlanarSpace, World,
+    Cell, Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PairBoxes, PlanError, PlanarSpace,
 };
 use truth::rng::Rng;
 
@@ -17,21 +17,21 @@ use crate::ranges::{at, pose, robot};
 fn random_checker(k: u64, seed: u64) -> Checker<JointTree> {
     let mut rng = Rng::new(seed + k);
     let size = [1.0, 1e-6, 1e6][(k % 3) as usize];
-    let (tree, mut world) = robot(&mut rng, size, seed + k);
+    let (tree, mut cell) = robot(&mut rng, size, seed + k);
     // Every fifth robot is alone.
     if !k.is_multiple_of(5) {
-        add_obstacles(&mut world, &mut rng, size);
-        world.set_pair_margin("a", "cloud", Some(0.2 * size)).expect("a margin");
-        world.set_pair_margin("b", "open box", Some(0.0)).expect("a margin");
-        world.exclude("a", "walls").expect("a pair");
+        add_obstacles(&mut cell, &mut rng, size);
+        cell.set_pair_margin("a", "cloud", Some(0.2 * size)).expect("a margin");
+        cell.set_pair_margin("b", "open box", Some(0.0)).expect("a margin");
+        cell.exclude("a", "walls").expect("a pair");
     }
-    world.set_margin(0.03 * size).expect("a margin");
-    world.pad("b", 0.05 * size).expect("a padding");
-    let mut checker = Checker::new(tree, world).expect("a robot");
+    cell.set_margin(0.03 * size).expect("a margin");
+    cell.pad("b", 0.05 * size).expect("a padding");
+    let mut checker = Checker::new(tree, cell).expect("a robot");
     let part = solids::cuboid(Vector3::repeat(0.1 * size)).expect("a box");
     let part_pose = pose(&mut rng, 0.5 * size);
     checker
-        .world_mut()
+        .cell_mut()
         .attach("b", "part", part, part_pose, &[])
         .expect("a part");
     checker.set_time(0.3).expect("a time");
@@ -91,10 +91,10 @@ fn random_robots(robots: Range<u64>, samples: u32, seed: u64) -> [u64; 3] {
         let mut with = first.fork().expect("a checker");
         let [free, lookups] = judge(&mut plain, &mut with, samples, &mut rng);
         // A pair that must keep more than its boxes prove is queried.
-        let kept = plain.world().kept_distance(pair);
+        let kept = plain.cell().kept_distance(pair);
         for checker in [&mut plain, &mut with] {
             checker
-                .world_mut()
+                .cell_mut()
                 .set_pair_margin(pair.a, pair.b, Some(1.5 * kept))
                 .expect("a margin");
         }
@@ -103,7 +103,7 @@ fn random_robots(robots: Range<u64>, samples: u32, seed: u64) -> [u64; 3] {
         // It must keep less: the boxes prove more than that.
         for checker in [&mut plain, &mut with] {
             checker
-                .world_mut()
+                .cell_mut()
                 .set_pair_margin(pair.a, pair.b, Some(0.0))
                 .expect("a margin");
         }
@@ -137,14 +137,14 @@ fn blocks(count: usize, half: f64) -> Checker<JointTree> {
         (1..=count).collect(),
         0.1,
     );
-    let mut world = World::new();
+    let mut cell = Cell::new();
     for k in 0..count {
-        world.robot_body(
+        cell.robot_body(
             format!("block {k}"),
             solids::cuboid(Vector3::repeat(half)).expect("a box"),
         );
     }
-    Checker::new(arm.expect("an arm"), world).expect("a checker")
+    Checker::new(arm.expect("an arm"), cell).expect("a checker")
 }
 
 #[test]
@@ -166,10 +166,10 @@ fn square([x, y]: [[f64; 2]; 2]) -> Checker<JointTree> {
     let rail = |axis, limits| Joint::prismatic(Isometry3::identity(), axis, limits);
     let rails = vec![rail(Vector3::x_axis(), x), rail(Vector3::y_axis(), y)];
     let arm = JointTree::serial(Isometry3::identity(), rails, vec![0, 2], 0.1);
-    let mut world = World::new();
-    world.robot_body("post", solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
-    world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
-    Checker::new(arm.expect("an arm"), world).expect("a checker")
+    let mut cell = Cell::new();
+    cell.robot_body("post", solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
+    cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    Checker::new(arm.expect("an arm"), cell).expect("a checker")
 }
 
 fn share_of(boxes: &PairBoxes) -> f64 {
@@ -268,9 +268,9 @@ fn a_search_that_is_stopped_keeps_its_boxes() {
 #[test]
 fn a_coordinate_without_limits_is_an_error() {
     let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
-    let mut world = World::new();
-    world.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
-    let refused = PairBoxes::search(&mut Checker::new(space, world).expect("a checker"), 10, &mut |_| {
+    let mut cell = Cell::new();
+    cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    let refused = PairBoxes::search(&mut Checker::new(space, cell).expect("a checker"), 10, &mut |_| {
         ControlFlow::Continue(())
     });
     assert!(matches!(refused, Err(PlanError::Value { .. })), "{refused:?}");
@@ -289,11 +289,11 @@ fn boxes_of_another_robot_are_refused() {
     let rail = |axis| Joint::prismatic(Isometry3::identity(), axis, [0.0, 4.0]);
     let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
     let arm = JointTree::serial(Isometry3::identity(), rails, vec![1, 2], 0.1).expect("an arm");
-    let mut bent = Checker::new(arm, checker.world().clone()).expect("a checker");
+    let mut bent = Checker::new(arm, checker.cell().clone()).expect("a checker");
     let own = of(&mut checker);
     let said = bent.set_pair_boxes(&own).expect_err("other joints").to_string();
     assert!(said.ends_with("block 0 and block 1: the joints differ"), "{said}");
-    let mut copy = Checker::new(checker.space().clone(), checker.world().clone()).expect("a checker");
+    let mut copy = Checker::new(checker.space().clone(), checker.cell().clone()).expect("a checker");
     copy.set_pair_boxes(&own).expect("the same robot");
     assert!(copy.is_free_at(&[0.0, 0.8]).expect("a configuration"));
     assert_eq!(copy.work().lookups, 1);

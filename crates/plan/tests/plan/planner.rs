@@ -6,8 +6,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Piece, Progress};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, FreewayEnd, JointMotion, Opportunistic, PlanError, PlanMethod, PlanOptions,
-    PlanarSpace, RigidSpace, RrtConnect, Shortcuts, TranslationSpace, World,
+    Cell, Checker, ConfigurationSpace, FreewayEnd, JointMotion, Opportunistic, PlanError, PlanMethod, PlanOptions,
+    PlanarSpace, RigidSpace, RrtConnect, Shortcuts, TranslationSpace,
 };
 use std::time::Duration;
 use truth::rooms::wall;
@@ -16,13 +16,13 @@ fn cuboid(x: f64, y: f64, z: f64) -> ConvexPolyhedron {
     solids::cuboid(Vector3::new(x, y, z)).expect("a box")
 }
 
-fn world(robot: &ConvexPolyhedron, obstacles: &[Placed]) -> World {
-    let mut world = World::new();
-    world.robot_body("robot", robot.clone());
+fn cell(robot: &ConvexPolyhedron, obstacles: &[Placed]) -> Cell {
+    let mut cell = Cell::new();
+    cell.robot_body("robot", robot.clone());
     for (k, (hull, pose)) in obstacles.iter().enumerate() {
-        world.add_obstacle(k, hull.clone(), *pose).expect("an obstacle");
+        cell.add_obstacle(k, hull.clone(), *pose).expect("an obstacle");
     }
-    world
+    cell
 }
 
 /// Judges every segment of a path of a rigid body.
@@ -45,7 +45,7 @@ fn passage(width: f64, method: PlanMethod, seeds: u64, limit: Duration) -> (u64,
     let (mut solved, mut longest) = (0, Duration::ZERO);
     for seed in 0..seeds {
         let (space, [start, goal]) = truth::rooms::passage();
-        let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
+        let mut checker = Checker::new(space, cell(&robot, &obstacles)).expect("a world");
         let began = ThreadTime::now();
         let mut stop = |_| Progress::stop_if(began.elapsed() > limit);
         let plan = method.plan(&mut checker, [&start, &goal], &options(seed), &mut stop);
@@ -102,7 +102,7 @@ fn passages_are_found_for_twenty_seeds() {
 fn a_callback_follows_and_stops_the_shortening_of_a_path() {
     let robot = cuboid(0.8, 0.1, 0.1);
     let (space, [start, goal]) = truth::rooms::passage();
-    let mut checker = Checker::new(space, world(&robot, &wall(0.6))).expect("a world");
+    let mut checker = Checker::new(space, cell(&robot, &wall(0.6))).expect("a world");
     let path = RrtConnect::new(&options(0))
         .plan(&mut checker, &start, &goal)
         .expect("free ends")
@@ -165,7 +165,7 @@ fn a_blocked_world_has_no_path() {
     for obstacles in [vec![(cuboid(0.25, 5.0, 5.0), Isometry3::identity())], wall(0.19)] {
         for seed in 0..3 {
             let space = RigidSpace::new(bounds, 0.3, 1).expect("a space");
-            let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
+            let mut checker = Checker::new(space, cell(&robot, &obstacles)).expect("a world");
             let plan = Opportunistic::new(&options(seed).slices(12))
                 .plan(&mut checker, &at(-2.0), &at(2.0))
                 .expect("free ends");
@@ -182,7 +182,7 @@ fn searches_repeat_and_end() {
     let obstacles = wall(0.6);
     let run = |options: &PlanOptions| {
         let space = RigidSpace::new([[-2.5, 2.5], [-2.0, 2.0], [-2.0, 2.0]], 0.8, 1).expect("a space");
-        let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
+        let mut checker = Checker::new(space, cell(&robot, &obstacles)).expect("a world");
         let at = |x: f64, y: f64| {
             let turn = UnitQuaternion::from_scaled_axis(Vector3::z() * 1.5);
             RigidSpace::configuration(&Isometry3::from_parts(Vector3::new(x, y, 0.0).into(), turn))
@@ -202,7 +202,7 @@ fn searches_repeat_and_end() {
 fn ends_in_contact_are_named() {
     let robot = cuboid(0.8, 0.1, 0.1);
     let space = RigidSpace::new([[-3.0, 3.0]; 3], 0.8, 1).expect("a space");
-    let mut checker = Checker::new(space, world(&robot, &wall(0.5))).expect("a world");
+    let mut checker = Checker::new(space, cell(&robot, &wall(0.5))).expect("a world");
     let at = |x: f64| RigidSpace::configuration(&Isometry3::translation(x, 1.0, 1.0));
     let refused = RrtConnect::new(&options(0)).plan(&mut checker, &at(-2.0), &at(0.5));
     assert!(
@@ -215,15 +215,14 @@ fn ends_in_contact_are_named() {
 #[test]
 fn a_rectangle_turns_in_the_plane() {
     for seed in 0..3 {
-        let mut world = World::new();
-        world.robot_body("rectangle", cuboid(0.5, 0.1, 0.1));
+        let mut cell = Cell::new();
+        cell.robot_body("rectangle", cuboid(0.5, 0.1, 0.1));
         for (y, name) in [(1.15, "left"), (-1.15, "right")] {
-            world
-                .add_obstacle(name, cuboid(0.3, 1.0, 1.0), Isometry3::translation(0.0, y, 0.0))
+            cell.add_obstacle(name, cuboid(0.3, 1.0, 1.0), Isometry3::translation(0.0, y, 0.0))
                 .expect("an obstacle");
         }
         let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
-        let mut checker = Checker::new(space, world).expect("a world");
+        let mut checker = Checker::new(space, cell).expect("a world");
         let (start, goal) = ([-1.5, 0.5, 1.57], [1.5, -0.5, 1.57]);
         let plan = RrtConnect::new(&options(seed))
             .plan(&mut checker, &start, &goal)
@@ -244,16 +243,15 @@ fn half_turns<C: ConfigurationSpace + Clone>(space: &C) -> u32 {
     let mut found = 0;
     for seed in [17, 341, 1965].into_iter().chain(0..40) {
         let mut rng = truth::rng::Rng::of_case(17, seed);
-        let mut world = World::new();
-        world.robot_body("rod", cuboid(rng.range(0.4, 1.0), 0.05, 0.1));
+        let mut cell = Cell::new();
+        cell.robot_body("rod", cuboid(rng.range(0.4, 1.0), 0.05, 0.1));
         for k in 0..4 + rng.below(20) {
             let at = Vector3::new(rng.range(-3.5, 3.5), rng.range(-2.5, 2.5), 0.0);
             let pose = Isometry3::from_parts(at.into(), UnitQuaternion::identity());
-            world
-                .add_obstacle(k, cuboid(0.08, 0.08, 1.0), pose)
+            cell.add_obstacle(k, cuboid(0.08, 0.08, 1.0), pose)
                 .expect("an obstacle");
         }
-        let mut checker = Checker::new(space.clone(), world).expect("a world");
+        let mut checker = Checker::new(space.clone(), cell).expect("a world");
         let turned = *rng.pick(&[0.0, std::f64::consts::PI]);
         let start = [-3.0, rng.range(-1.9, 1.9), turned];
         let goal = [
@@ -367,7 +365,7 @@ fn freeways_are_local_maxima_in_their_slices() {
     let mut all = obstacles.clone();
     all.push((cuboid(0.2, 0.6, 1.5), Isometry3::translation(0.0, 0.0, 0.0)));
     let space = TranslationSpace::new(bounds, UnitQuaternion::identity(), 1).expect("a space");
-    let mut checker = Checker::new(space, world(&robot, &all)).expect("a world");
+    let mut checker = Checker::new(space, cell(&robot, &all)).expect("a world");
     let plan = Opportunistic::new(&options(1))
         .plan(&mut checker, &[-1.5, 0.3, 0.1], &[1.5, -0.3, 0.0])
         .expect("free ends");
@@ -411,9 +409,9 @@ fn freeways_are_local_maxima_in_their_slices() {
 /// Two pieces that move as one; a compound obstacle.
 #[test]
 fn robots_of_several_pieces() {
-    let mut world = World::new();
-    world.robot_body("bar", cuboid(0.5, 0.1, 0.1));
-    world.robot_body(
+    let mut cell = Cell::new();
+    cell.robot_body("bar", cuboid(0.5, 0.1, 0.1));
+    cell.robot_body(
         "hook",
         cuboid(0.1, 0.3, 0.1)
             .transformed(&Isometry3::translation(0.4, 0.2, 0.0))
@@ -425,11 +423,10 @@ fn robots_of_several_pieces() {
         piece
     });
     let gate = lin_canny::Compound::new(posts.to_vec()).expect("two pieces");
-    world
-        .add_obstacle("gate", gate, Isometry3::identity())
+    cell.add_obstacle("gate", gate, Isometry3::identity())
         .expect("an obstacle");
     let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.6, 2).expect("a space");
-    let mut checker = Checker::new(space, world).expect("a world");
+    let mut checker = Checker::new(space, cell).expect("a world");
     let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, 0.0));
     let plan = RrtConnect::new(&options(2))
         .plan(&mut checker, &at(-1.5, 1.0), &at(1.5, -1.0))

@@ -7,8 +7,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vecto
 use lin_canny::polyhedron::solids;
 use lin_canny::{HalfSpace, Mesh, Shape};
 use lin_canny_plan::{
-    Checker, ClearanceWidth, ConfigurationSpace, Joint, JointTree, PlanError, RangeAnswer, RangeOptions, RangeProver,
-    RangeVerdict, TimedPoses, World, WorldId,
+    Cell, CellBody, Checker, ClearanceWidth, ConfigurationSpace, Joint, JointTree, PlanError, RangeAnswer,
+    RangeOptions, RangeProver, RangeVerdict, TimedPoses,
 };
 use std::f64::consts::{PI, TAU};
 use truth::rng::Rng;
@@ -73,21 +73,18 @@ fn ranges_of_no_width_are_as_single_configurations_say() {
     let mut rng = Rng::new(12);
     let mut tally = [0; 2];
     for k in 0..20 {
-        let (tree, mut world) = robot(&mut rng, 1.0, 300 + k);
-        world
-            .add_obstacle("post", cube(0.4), Isometry3::translation(2.0, 0.2, 0.0))
+        let (tree, mut cell) = robot(&mut rng, 1.0, 300 + k);
+        cell.add_obstacle("post", cube(0.4), Isometry3::translation(2.0, 0.2, 0.0))
             .expect("an obstacle");
         let floor = HalfSpace::new(Vector3::z(), -2.0).expect("a plane");
-        world
-            .add_obstacle("floor", floor, Isometry3::identity())
+        cell.add_obstacle("floor", floor, Isometry3::identity())
             .expect("an obstacle");
         let shell = Mesh::from_convex(&cube(0.5)).expect("a mesh");
-        world
-            .add_obstacle("shell", shell, Isometry3::translation(-1.8, 0.0, 0.3))
+        cell.add_obstacle("shell", shell, Isometry3::translation(-1.8, 0.0, 0.3))
             .expect("an obstacle");
-        let mut checker = Checker::new(tree.clone(), world).expect("a world");
+        let mut checker = Checker::new(tree.clone(), cell).expect("a world");
         for margin in [0.0, 0.2] {
-            checker.world_mut().set_margin(margin).expect("a margin");
+            checker.cell_mut().set_margin(margin).expect("a margin");
             let q: Vec<f64> = tree.bounds().iter().map(|[low, high]| rng.range(*low, *high)).collect();
             let answers = RangeProver::new(&RangeOptions::default())
                 .all_pairs(&mut checker, &q, &q)
@@ -302,22 +299,20 @@ fn a_mesh_in_a_hollow_mesh_keeps_off_its_walls() {
 fn an_answer_goes_on_only_at_a_time() {
     let x = |x: f64| Isometry3::translation(x, 0.0, 0.0);
     let scene = || {
-        let mut world = World::new();
-        world.robot_body("body", cube(0.5));
-        world.add_obstacle("post", cube(0.5), x(4.5)).expect("an obstacle");
+        let mut cell = Cell::new();
+        cell.robot_body("body", cube(0.5));
+        cell.add_obstacle("post", cube(0.5), x(4.5)).expect("an obstacle");
         let poses = TimedPoses::new(&[0.0, 1.0], &[x(9.0), x(2.0)]).expect("poses");
-        world
-            .add_moving_obstacle("cart", cube(0.5), poses)
-            .expect("an obstacle");
+        cell.add_moving_obstacle("cart", cube(0.5), poses).expect("an obstacle");
         let rail = vec![slide(Vector3::x_axis(), [0.0, 3.0])];
         let arm = JointTree::serial(Isometry3::identity(), rail, vec![1], 1.0).expect("an arm");
-        Checker::new(arm, world).expect("a world")
+        Checker::new(arm, cell).expect("a world")
     };
     let options = RangeOptions::default();
     let go = &mut |_| ControlFlow::Continue(());
     let mut checker = scene();
     checker.set_time(0.0).expect("a time");
-    let (post, cart) = (WorldId::Obstacle(0), WorldId::Obstacle(1));
+    let (post, cart) = (CellBody::Obstacle(0), CellBody::Obstacle(1));
     let mut open = |id| {
         let answer = RangeProver::new(&options.cells(0)).pair(&mut checker, A, id, &[0.0], &[3.0]);
         answer.expect("a range")

@@ -7,8 +7,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, Geometry, HalfSpace, Mesh, PairTracker, RelativePose, Shape};
 use lin_canny_plan::{
-    Checker, ClearanceWidth, ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanError, RangeAnswer,
-    RangeOptions, RangeProver, RangeVerdict, TimedPoses, TreeJoint, World, WorldId, WorldPair,
+    Cell, CellBody, CellPair, Checker, ClearanceWidth, ConfigurationSpace, Drive, Joint, JointKind, JointTree,
+    PlanError, RangeAnswer, RangeOptions, RangeProver, RangeVerdict, TimedPoses, TreeJoint,
 };
 use std::f64::consts::PI;
 use truth::rng::Rng;
@@ -16,14 +16,14 @@ use truth::rng::Rng;
 use crate::ranges::{A, B, OTHER, at, channel, cube, moved, pose, ranges, robot, slide};
 
 /// The distance of a pair at a configuration: bounds, and whether it is within what the pair must keep.
-fn measured<C: ConfigurationSpace>(checker: &Checker<C>, pair: WorldPair, q: &[f64]) -> (f64, bool) {
+fn measured<C: ConfigurationSpace>(checker: &Checker<C>, pair: CellPair, q: &[f64]) -> (f64, bool) {
     let [x, y] = [pair.a, pair.b].map(|id| checker.pose(id, q).expect("a pose"));
     let pose = RelativePose::new(&x, &y).expect("poses");
-    let [x, y] = [pair.a, pair.b].map(|id| checker.world().geometry(id).expect("a body"));
+    let [x, y] = [pair.a, pair.b].map(|id| checker.cell().geometry(id).expect("a body"));
     let mut tracker = PairTracker::new();
     let upper = tracker.closest(x, y, &pose).upper;
     tracker.reset();
-    let kept = checker.world().kept_distance(pair);
+    let kept = checker.cell().kept_distance(pair);
     (upper, tracker.within(x, y, &pose, kept))
 }
 
@@ -35,7 +35,7 @@ fn judge<C: ConfigurationSpace>(checker: &Checker<C>, answer: &RangeAnswer, samp
             assert_eq!(measured(checker, answer.pair, q).1, is_touching, "{answer:?}");
         }
     }
-    let kept = checker.world().kept_distance(answer.pair);
+    let kept = checker.cell().kept_distance(answer.pair);
     assert!(!answer.is_never() || answer.lower >= kept, "{answer:?}");
     for _ in 0..samples {
         let q = at(rng, [&low, &high]);
@@ -60,47 +60,42 @@ fn open_box(half: f64) -> Mesh {
 }
 
 /// Obstacles of each kind around a robot of a size.
-pub(crate) fn add_obstacles(world: &mut World, rng: &mut Rng, size: f64) {
+pub(crate) fn add_obstacles(cell: &mut Cell, rng: &mut Rng, size: f64) {
     let scaled = |p: Point3<f64>| Point3::from(p.coords * size);
     let floor = HalfSpace::new(Vector3::z(), -1.5 * size).expect("a plane");
-    world
-        .add_obstacle("floor", floor, Isometry3::identity())
+    cell.add_obstacle("floor", floor, Isometry3::identity())
         .expect("an obstacle");
     let points: Vec<Point3<f64>> = (0..40)
         .map(|_| Point3::from(Vector3::from_fn(|_, _| size * rng.range(-0.5, 0.5))))
         .collect();
     let ball = Shape::ball(0.05 * size).expect("a ball");
-    world
-        .add_obstacle(
-            "cloud",
-            Cloud::new(&points, ball).expect("a cloud"),
-            pose(rng, 2.0 * size),
-        )
-        .expect("an obstacle");
-    world
-        .add_obstacle("open box", open_box(0.6 * size), pose(rng, 2.0 * size))
+    cell.add_obstacle(
+        "cloud",
+        Cloud::new(&points, ball).expect("a cloud"),
+        pose(rng, 2.0 * size),
+    )
+    .expect("an obstacle");
+    cell.add_obstacle("open box", open_box(0.6 * size), pose(rng, 2.0 * size))
         .expect("an obstacle");
     let walls = channel().to_mesh().expect("a mesh");
     let corners: Vec<Point3<f64>> = walls.triangles().flat_map(|(_, t)| t.map(scaled)).collect();
     let triangles: Vec<[u32; 3]> = (0..corners.len() as u32 / 3)
         .map(|k| [3 * k, 3 * k + 1, 3 * k + 2])
         .collect();
-    world
-        .add_obstacle(
-            "walls",
-            Mesh::new(&corners, &triangles).expect("walls"),
-            pose(rng, 2.0 * size),
-        )
-        .expect("an obstacle");
+    cell.add_obstacle(
+        "walls",
+        Mesh::new(&corners, &triangles).expect("walls"),
+        pose(rng, 2.0 * size),
+    )
+    .expect("an obstacle");
     let way = [pose(rng, size), pose(rng, 3.0 * size)];
     let poses = TimedPoses::new(&[0.0, 1.0], &way).expect("poses");
-    world
-        .add_moving_obstacle(
-            "cart",
-            Shape::capsule(0.2 * size, 0.1 * size).expect("a capsule"),
-            poses,
-        )
-        .expect("an obstacle");
+    cell.add_moving_obstacle(
+        "cart",
+        Shape::capsule(0.2 * size, 0.1 * size).expect("a capsule"),
+        poses,
+    )
+    .expect("an obstacle");
 }
 
 fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
@@ -108,18 +103,18 @@ fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
     for k in robots {
         let mut rng = Rng::new(seed + k);
         let size = [1.0, 1e-6, 1e6][(k % 3) as usize];
-        let (tree, mut world) = robot(&mut rng, size, seed + k);
-        add_obstacles(&mut world, &mut rng, size);
-        world.set_margin(0.03 * size).expect("a margin");
-        world.set_pair_margin("a", "cloud", Some(0.2 * size)).expect("a margin");
-        world.set_pair_margin("b", "open box", Some(0.0)).expect("a margin");
-        world.pad("b", 0.05 * size).expect("a padding");
-        world.exclude("a", "walls").expect("a pair");
+        let (tree, mut cell) = robot(&mut rng, size, seed + k);
+        add_obstacles(&mut cell, &mut rng, size);
+        cell.set_margin(0.03 * size).expect("a margin");
+        cell.set_pair_margin("a", "cloud", Some(0.2 * size)).expect("a margin");
+        cell.set_pair_margin("b", "open box", Some(0.0)).expect("a margin");
+        cell.pad("b", 0.05 * size).expect("a padding");
+        cell.exclude("a", "walls").expect("a pair");
         let limits = tree.bounds().to_vec();
-        let mut checker = Checker::new(tree, world).expect("a robot");
+        let mut checker = Checker::new(tree, cell).expect("a robot");
         let part = solids::cuboid(Vector3::repeat(0.1 * size)).expect("a box");
         let part = checker
-            .world_mut()
+            .cell_mut()
             .attach("b", "part", part, pose(&mut rng, 0.5 * size), &[])
             .expect("a part");
         let [low, high] = ranges(&mut rng, &limits);
@@ -133,7 +128,7 @@ fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
         let mut answers = RangeProver::new(&options)
             .all_pairs(&mut checker, &low, &high)
             .expect("a range");
-        let excluded = WorldPair::new(A, WorldId::Obstacle(3)).expect("a pair");
+        let excluded = CellPair::new(A, CellBody::Obstacle(3)).expect("a pair");
         // Both bodies and the part against five obstacles, one excluded; the part is rigid with b.
         assert_eq!(answers.len(), 3 * 5 - 1 + 2);
         assert!(answers.iter().all(|answer| answer.pair != excluded));
@@ -177,19 +172,17 @@ fn verdicts_in_three_hundred_worlds_hold_at_samples() {
 #[test]
 fn a_range_beside_a_moving_obstacle_needs_a_time() {
     let x = |x: f64| Isometry3::translation(x, 0.0, 0.0);
-    let mut world = World::new();
-    world.robot_body("body", cube(0.5));
+    let mut cell = Cell::new();
+    cell.robot_body("body", cube(0.5));
     let poses = TimedPoses::new(&[0.0, 1.0], &[x(9.0), x(2.0)]).expect("poses");
-    let cart = world
-        .add_moving_obstacle("cart", cube(0.5), poses)
-        .expect("an obstacle");
+    let cart = cell.add_moving_obstacle("cart", cube(0.5), poses).expect("an obstacle");
     let arm = JointTree::serial(
         Isometry3::identity(),
         vec![slide(Vector3::x_axis(), [0.0, 3.0])],
         vec![1],
         1.0,
     );
-    let mut checker = Checker::new(arm.expect("an arm"), world).expect("a world");
+    let mut checker = Checker::new(arm.expect("an arm"), cell).expect("a world");
     let options = RangeOptions::default();
     let none = Err(PlanError::NoTime("cart".into()));
     assert_eq!(
@@ -219,7 +212,7 @@ fn a_range_of_no_width_at_the_margin_is_within_it() {
     for (gap, is_within) in [(0.5, true), (0.5f64.next_up(), false), (0.5f64.next_down(), true)] {
         let at = 2.0 + gap;
         let mut checker = moved(vec![slide(Vector3::x_axis(), [2.0, 5.0])], cube(1.0), cube(1.0));
-        checker.world_mut().set_margin(0.5).expect("a margin");
+        checker.cell_mut().set_margin(0.5).expect("a margin");
         let options = RangeOptions::default();
         let answer = RangeProver::new(&options)
             .pair(&mut checker, A, OTHER, &[at], &[at])
@@ -266,10 +259,10 @@ fn a_coordinate_of_no_width_on_a_link_that_turns_is_no_single_configuration() {
             vec![1, 2],
             vec![3.0; 3],
         );
-        let mut world = World::new();
-        world.robot_body("a", cube(0.5));
-        world.robot_body("b", cube(0.5));
-        let mut checker = Checker::new(tree.expect("a tree"), world).expect("a world");
+        let mut cell = Cell::new();
+        cell.robot_body("a", cube(0.5));
+        cell.robot_body("b", cube(0.5));
+        let mut checker = Checker::new(tree.expect("a tree"), cell).expect("a world");
         let gap = [0.0, 0.1, -0.1, 1e-15][k % 4];
         let options = RangeOptions::default();
         let [low, high] = [[-3.0, 1.0 + gap], [3.0, 1.0 + gap]];
@@ -304,12 +297,12 @@ fn limits_of_a_million_radians_hold_at_samples() {
         let joints = vec![turn(0.0, 0, 1.0), turn(0.0, 1, [-1.0, -0.5, 2.0, 0.0][k % 4])];
         let limits = vec![[-1e6, 1e6]];
         let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![2], vec![3.0; 3]).expect("a tree");
-        let mut world = World::new();
-        world.robot_body("body", cube(0.1));
-        let post = world
+        let mut cell = Cell::new();
+        cell.robot_body("body", cube(0.1));
+        let post = cell
             .add_obstacle("post", cube(0.3), Isometry3::translation([0.0, 4.0][k / 4], 0.0, 0.0))
             .expect("an obstacle");
-        let mut checker = Checker::new(tree, world).expect("a world");
+        let mut checker = Checker::new(tree, cell).expect("a world");
         let options = RangeOptions::default().cells(400);
         let answer = RangeProver::new(&options)
             .pair(&mut checker, A, post, &[-1e6], &[1e6])
@@ -329,12 +322,12 @@ fn a_turn_before_a_long_slide_reaches_far() {
     ];
     let ball = || Shape::ball(0.1).expect("a ball");
     let arm = JointTree::serial(Isometry3::identity(), joints, vec![2], 11.0).expect("an arm");
-    let mut world = World::new();
-    world.robot_body("ball", ball());
-    let other = world
+    let mut cell = Cell::new();
+    cell.robot_body("ball", ball());
+    let other = cell
         .add_obstacle("other", ball(), Isometry3::translation(0.0, 8.0, 0.0))
         .expect("an obstacle");
-    let mut checker = Checker::new(arm, world).expect("a world");
+    let mut checker = Checker::new(arm, cell).expect("a world");
     let options = RangeOptions::default();
     let both = RangeProver::new(&options)
         .pair(&mut checker, A, other, &[-1.0, 0.0], &[2.0, 10.0])
@@ -394,7 +387,7 @@ fn an_answer_about_other_bodies_is_not_resumed() {
             .resume(&mut moved(vec![turned], cube(0.5), far(2.0)), &answer)
             .is_err()
     );
-    checker.world_mut().set_margin(0.1).expect("a margin");
+    checker.cell_mut().set_margin(0.1).expect("a margin");
     assert!(
         RangeProver::new(&options)
             .progress(go)
@@ -422,11 +415,11 @@ fn errors_of_joints_and_places_of_obstacles_are_coordinates_with_a_range() {
     let limits = vec![[0.5, 1.0], [-0.1, 0.1], [-0.1, 0.1]];
     let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![2, 3], vec![1.0; 4]).expect("a tree");
     let rod = solids::cuboid(Vector3::new(0.5, 0.05, 0.05)).expect("a box");
-    let mut world = World::new();
+    let mut cell = Cell::new();
     let rod = rod.transformed(&Isometry3::translation(0.5, 0.0, 0.0)).expect("a rod");
-    world.robot_body("rod", rod);
-    world.robot_body("wall", solids::cuboid(Vector3::new(0.1, 2.0, 2.0)).expect("a wall"));
-    let mut checker = Checker::new(tree, world).expect("a world");
+    cell.robot_body("rod", rod);
+    cell.robot_body("wall", solids::cuboid(Vector3::new(0.1, 2.0, 2.0)).expect("a wall"));
+    let mut checker = Checker::new(tree, cell).expect("a world");
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-6));
     for (error, place) in [(0.0, 0.0), (0.05, 0.0), (0.0, 0.03), (0.05, 0.03), (0.1, 0.1)] {
         let (low, high) = ([0.5, -error, -place], [1.0, error, place]);
@@ -442,7 +435,7 @@ fn errors_of_joints_and_places_of_obstacles_are_coordinates_with_a_range() {
         );
     }
     // The exact arm in the exact place keeps 0.298, which neither tolerance leaves.
-    checker.world_mut().set_margin(0.27).expect("a margin");
+    checker.cell_mut().set_margin(0.27).expect("a margin");
     for (error, place, is_never) in [(0.0, 0.0, true), (0.1, 0.0, false), (0.0, 0.1, false)] {
         let (low, high) = ([0.5, -error, -place], [1.0, error, place]);
         let answer = RangeProver::new(&options)
@@ -468,12 +461,12 @@ fn tolerances_of_a_part_are_coordinates_with_a_range() {
     let limits = vec![[-0.5, 0.5], [-0.05, 0.05], [-0.1, 0.1]];
     let joints = vec![lift, off, tilt];
     let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![3], vec![2.0; 4]).expect("a tree");
-    let mut world = World::new();
-    world.robot_body("peg", solids::cuboid(Vector3::new(0.1, 0.1, 0.5)).expect("a peg"));
-    let wall = world
+    let mut cell = Cell::new();
+    cell.robot_body("peg", solids::cuboid(Vector3::new(0.1, 0.1, 0.5)).expect("a peg"));
+    let wall = cell
         .add_obstacle("wall", cube(1.0), Isometry3::translation(1.2, 0.0, 0.0))
         .expect("an obstacle");
-    let mut checker = Checker::new(tree, world).expect("a world");
+    let mut checker = Checker::new(tree, cell).expect("a world");
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-4));
     let mut prove = |off: f64, tilt: f64| {
         let (low, high) = ([-0.5, -off, -tilt], [0.5, off, tilt]);

@@ -6,15 +6,15 @@ use lin_canny::nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion,
 use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ConvexPolyhedron, Geometry, HalfSpace, PairTracker, Piece, RelativePose, Shape};
 use lin_canny_plan::{
-    Checker, ClearanceWidth, ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanError, PlanarSpace,
-    RangeAnswer, RangeOptions, RangeProver, RangeVerdict, RigidSpace, TreeJoint, World, WorldId,
+    Cell, CellBody, Checker, ClearanceWidth, ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanError,
+    PlanarSpace, RangeAnswer, RangeOptions, RangeProver, RangeVerdict, RigidSpace, TreeJoint,
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use truth::cells::Cell;
+use truth::cells::ArmCell;
 use truth::rng::Rng;
 
-pub(crate) const A: WorldId = WorldId::Robot(0);
-pub(crate) const B: WorldId = WorldId::Robot(1);
+pub(crate) const A: CellBody = CellBody::Robot(0);
+pub(crate) const B: CellBody = CellBody::Robot(1);
 
 fn unit(rng: &mut Rng) -> Unit<Vector3<f64>> {
     Unit::new_normalize(Vector3::from_fn(|_, _| rng.range(-1.0, 1.0)) + Vector3::repeat(1e-3))
@@ -45,7 +45,7 @@ fn body(rng: &mut Rng, size: f64, seed: u64) -> Geometry {
 
 /// Two bodies on a tree with up to five joints between them: turns and slides, some of which mimic others, on both sides
 /// of the link that both hang on.
-pub(crate) fn robot(rng: &mut Rng, size: f64, seed: u64) -> (JointTree, World) {
+pub(crate) fn robot(rng: &mut Rng, size: f64, seed: u64) -> (JointTree, Cell) {
     let count = 2 + rng.range(0.0, 4.0) as usize;
     let fork = rng.range(0.0, count as f64) as usize;
     let coordinates = count.min(1 + rng.range(0.0, count as f64) as usize);
@@ -77,10 +77,10 @@ pub(crate) fn robot(rng: &mut Rng, size: f64, seed: u64) -> (JointTree, World) {
     // Both bodies at the ends of the branches; on a chain from the base to its end.
     let links = vec![fork, count];
     let tree = JointTree::new(Isometry3::identity(), joints, limits, links, radii).expect("a tree");
-    let mut world = World::new();
-    world.robot_body("a", body(rng, size, seed));
-    world.robot_body("b", body(rng, size, seed + 1));
-    (tree, world)
+    let mut cell = Cell::new();
+    cell.robot_body("a", body(rng, size, seed));
+    cell.robot_body("b", body(rng, size, seed + 1));
+    (tree, cell)
 }
 
 /// Bounds and predicates of the two bodies at single configurations.
@@ -91,8 +91,8 @@ struct Oracle<'a, C> {
 }
 
 impl<'a, C: ConfigurationSpace> Oracle<'a, C> {
-    fn new(space: &'a C, world: &'a World) -> Self {
-        let mut bodies = world.robot_bodies().map(|b| b.1);
+    fn new(space: &'a C, cell: &'a Cell) -> Self {
+        let mut bodies = cell.robot_bodies().map(|b| b.1);
         let shapes = [(); 2].map(|()| bodies.next().expect("two bodies"));
         let tracker = PairTracker::new();
         Self { space, shapes, tracker }
@@ -221,11 +221,11 @@ fn random_boxes(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
     for k in robots {
         let mut rng = Rng::new(seed + k);
         let size = [1.0, 1e-6, 1e6, 1e-95, 1e95][(k % 5) as usize];
-        let (tree, world) = robot(&mut rng, size, seed + k);
+        let (tree, cell) = robot(&mut rng, size, seed + k);
         let kept = if k % 4 == 3 { 0.05 * size } else { 0.0 };
-        let mut checker = Checker::new(tree.clone(), world.clone()).expect("a robot");
-        checker.world_mut().set_margin(kept).expect("a margin");
-        let mut oracle = Oracle::new(&tree, &world);
+        let mut checker = Checker::new(tree.clone(), cell.clone()).expect("a robot");
+        checker.cell_mut().set_margin(kept).expect("a margin");
+        let mut oracle = Oracle::new(&tree, &cell);
         for turn in 0..4 {
             let [low, high] = ranges(&mut rng, tree.bounds());
             let mut options = RangeOptions::default().cells(1_000);
@@ -273,15 +273,14 @@ fn verdicts_over_twenty_thousand_boxes_hold_at_samples() {
 pub(crate) fn moved(joints: Vec<Joint>, body: impl Into<Geometry>, other: impl Into<Geometry>) -> Checker<JointTree> {
     let links = vec![joints.len()];
     let arm = JointTree::serial(Isometry3::identity(), joints, links, 1.0).expect("an arm");
-    let mut world = World::new();
-    world.robot_body("body", body);
-    world
-        .add_obstacle("other", other, Isometry3::identity())
+    let mut cell = Cell::new();
+    cell.robot_body("body", body);
+    cell.add_obstacle("other", other, Isometry3::identity())
         .expect("an obstacle");
-    Checker::new(arm, world).expect("a world")
+    Checker::new(arm, cell).expect("a world")
 }
 
-pub(crate) const OTHER: WorldId = WorldId::Obstacle(0);
+pub(crate) const OTHER: CellBody = CellBody::Obstacle(0);
 
 pub(crate) fn cube(half: f64) -> ConvexPolyhedron {
     solids::cuboid(Vector3::repeat(half)).expect("a box")
@@ -296,8 +295,8 @@ fn a_range_of_no_width_is_a_configuration() {
     let mut rng = Rng::new(5);
     let mut tally = [0; 2];
     for k in 0..60 {
-        let (tree, world) = robot(&mut rng, 1.0, k);
-        let mut checker = Checker::new(tree.clone(), world).expect("a robot");
+        let (tree, cell) = robot(&mut rng, 1.0, k);
+        let mut checker = Checker::new(tree.clone(), cell).expect("a robot");
         let q: Vec<f64> = tree.bounds().iter().map(|[low, high]| rng.range(*low, *high)).collect();
         let is_free = checker.is_free_at(&q).expect("a configuration");
         let answer = RangeProver::new(&RangeOptions::default())
@@ -340,7 +339,7 @@ fn boxes_that_touch_at_one_inner_configuration_are_never_free() {
     let edge = edge.transformed(&far).expect("a box");
     let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-1.0, 1.0]);
     let mut checker = moved(vec![turn], edge, cube(1.0));
-    checker.world_mut().set_margin(0.3).expect("a margin");
+    checker.cell_mut().set_margin(0.3).expect("a margin");
     let options = RangeOptions::default().cells(300);
     let answer = RangeProver::new(&options)
         .pair(&mut checker, A, OTHER, &[-0.1], &[0.1])
@@ -402,15 +401,15 @@ fn bodies_of_one_link_are_one_cell() {
     let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-1.0, 1.0]);
     let arm = JointTree::serial(Isometry3::identity(), vec![turn], vec![1, 1], 1.0).expect("an arm");
     for (x, verdict) in [(1.0, RangeVerdict::Always), (2.5, RangeVerdict::Never)] {
-        let mut world = World::new();
-        world.robot_body("a", cube(1.0));
-        world.robot_body(
+        let mut cell = Cell::new();
+        cell.robot_body("a", cube(1.0));
+        cell.robot_body(
             "b",
             cube(1.0)
                 .transformed(&Isometry3::translation(x, 0.0, 0.0))
                 .expect("a box"),
         );
-        let mut checker = Checker::new(arm.clone(), world).expect("a world");
+        let mut checker = Checker::new(arm.clone(), cell).expect("a world");
         let answer = RangeProver::new(&RangeOptions::default())
             .pair(&mut checker, B, A, &[-1.0], &[1.0])
             .expect("a range");
@@ -436,7 +435,7 @@ fn a_pair_that_stays_closer_than_its_margin_always_meets() {
             .expect("a box"),
     );
     for (margin, verdict) in [(0.05, RangeVerdict::Never), (0.15, RangeVerdict::Always)] {
-        checker.world_mut().set_margin(margin).expect("a margin");
+        checker.cell_mut().set_margin(margin).expect("a margin");
         let answer = RangeProver::new(&RangeOptions::default())
             .pair(&mut checker, A, OTHER, &[-PI], &[PI])
             .expect("a range");
@@ -447,12 +446,11 @@ fn a_pair_that_stays_closer_than_its_margin_always_meets() {
 #[test]
 fn a_block_in_the_plane_keeps_off_a_post() {
     let space = PlanarSpace::new([[-5.0, 5.0]; 2], 1.5, 1).expect("a space");
-    let mut world = World::new();
-    world.robot_body("block", cube(1.0));
-    world
-        .add_obstacle("post", cube(1.0), Isometry3::identity())
+    let mut cell = Cell::new();
+    cell.robot_body("block", cube(1.0));
+    cell.add_obstacle("post", cube(1.0), Isometry3::identity())
         .expect("an obstacle");
-    let mut checker = Checker::new(space, world).expect("a world");
+    let mut checker = Checker::new(space, cell).expect("a world");
     let width = ClearanceWidth::Length(1e-3);
     let options = RangeOptions::default().width(width);
     let answer = RangeProver::new(&options)
@@ -488,10 +486,10 @@ fn fingers_that_mimic_each_other_keep_their_distance() {
         vec![1.0; 3],
     )
     .expect("a tree");
-    let mut world = World::new();
-    world.robot_body("a", cube(1.0));
-    world.robot_body("b", cube(1.0));
-    let mut checker = Checker::new(tree, world).expect("a world");
+    let mut cell = Cell::new();
+    cell.robot_body("a", cube(1.0));
+    cell.robot_body("b", cube(1.0));
+    let mut checker = Checker::new(tree, cell).expect("a world");
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-9));
     let answer = RangeProver::new(&options)
         .pair(&mut checker, A, B, &[0.0], &[100.0])
@@ -617,7 +615,7 @@ fn an_attached_part_is_part_of_the_robot() {
     );
     let at = Isometry3::translation(1.0, 0.0, 0.0);
     let part = checker
-        .world_mut()
+        .cell_mut()
         .attach("body", "part", cube(0.2), at, &[])
         .expect("a part");
     let options = RangeOptions::default();
@@ -637,8 +635,8 @@ fn a_search_that_is_stopped_goes_on_with_its_cells() {
     let mut rng = Rng::new(77);
     let mut resumed = 0;
     for k in 0..40 {
-        let (tree, world) = robot(&mut rng, 1.0, k);
-        let mut checker = Checker::new(tree.clone(), world).expect("a robot");
+        let (tree, cell) = robot(&mut rng, 1.0, k);
+        let mut checker = Checker::new(tree.clone(), cell).expect("a robot");
         let [low, high]: [Vec<f64>; 2] = [0, 1].map(|e| tree.bounds().iter().map(|ends| ends[e]).collect());
         for options in [
             RangeOptions::default(),
@@ -668,8 +666,8 @@ fn a_search_that_is_stopped_goes_on_with_its_cells() {
 
 #[test]
 fn a_caller_stops_a_search() {
-    let cell = Cell::new(5);
-    let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
+    let cell = ArmCell::new(5);
+    let mut checker = Checker::new(cell.arm(), cell.cell()).expect("a cell");
     let [low, high]: [Vec<f64>; 2] = [0, 1].map(|e| cell.arm().bounds().iter().map(|ends| ends[e]).collect());
     let mut seen = 0;
     let mut stop = |progress: lin_canny::Progress| {
@@ -687,13 +685,13 @@ fn a_caller_stops_a_search() {
 /// Links of meshes: each verdict is that of brute force at samples.
 #[test]
 fn meshes_of_a_cell_hold_at_samples() {
-    let cell = Cell::new(5);
-    let (arm, world) = (cell.arm(), cell.world());
+    let made = ArmCell::new(5);
+    let (arm, cell) = (made.arm(), made.cell());
     let mut rng = Rng::new(9);
     let mut tally = [0; 4];
     for _ in 0..12 {
         let [low, high] = ranges(&mut rng, arm.bounds());
-        let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
+        let mut checker = Checker::new(made.arm(), made.cell()).expect("a cell");
         let options = RangeOptions::default().cells(60).samples(20, 1);
         let answers = RangeProver::new(&options)
             .all_pairs(&mut checker, &low, &high)
@@ -726,7 +724,7 @@ fn meshes_of_a_cell_hold_at_samples() {
         }
     }
     println!("{tally:?}");
-    assert!(tally[0] > 100 && world.robot_bodies().len() == 7, "{tally:?}");
+    assert!(tally[0] > 100 && cell.robot_bodies().len() == 7, "{tally:?}");
 }
 
 #[test]
@@ -757,8 +755,8 @@ fn wrong_ranges_are_refused() {
         RangeProver::new(&options).all_pairs(&mut checker, &[0.0], &[1.0]),
         Err(PlanError::Length { expected: 2, found: 1 })
     );
-    let unknown = RangeProver::new(&options).pair(&mut checker, A, WorldId::Obstacle(3), &[0.0; 2], &[1.0; 2]);
-    assert_eq!(unknown, Err(PlanError::NoBody(WorldId::Obstacle(3))));
+    let unknown = RangeProver::new(&options).pair(&mut checker, A, CellBody::Obstacle(3), &[0.0; 2], &[1.0; 2]);
+    assert_eq!(unknown, Err(PlanError::NoBody(CellBody::Obstacle(3))));
     assert_eq!(
         RangeProver::new(&options).pair(&mut checker, A, A, &[0.0; 2], &[1.0; 2]),
         Err(PlanError::NoBody(A))
@@ -775,12 +773,11 @@ fn wrong_ranges_are_refused() {
             .is_err()
     );
     let space = RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1).expect("a space");
-    let mut world = World::new();
-    world.robot_body("body", cube(1.0));
-    world
-        .add_obstacle("other", cube(1.0), Isometry3::identity())
+    let mut cell = Cell::new();
+    cell.robot_body("body", cube(1.0));
+    cell.add_obstacle("other", cube(1.0), Isometry3::identity())
         .expect("an obstacle");
-    let mut rigid = Checker::new(space, world).expect("a world");
+    let mut rigid = Checker::new(space, cell).expect("a world");
     let q = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     assert_eq!(
         RangeProver::new(&options).pair(&mut rigid, A, OTHER, &q, &q),

@@ -6,8 +6,8 @@ use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::separation::Proof;
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, Path, PlanError, PlanarSpace, RigidSpace,
-    SmoothOptions, SmoothPath, Smoother, TranslationSpace, World,
+    Cell, Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, Path, PlanError, PlanarSpace,
+    RigidSpace, SmoothOptions, SmoothPath, Smoother, TranslationSpace,
 };
 use truth::arm::chain::{chain, posts};
 use truth::rng::Rng;
@@ -148,14 +148,14 @@ struct Counts {
 
 fn judged<C: ConfigurationSpace + Clone>(
     space: C,
-    world: World,
+    cell: Cell,
     reach: f64,
     paths: u32,
     places: u32,
     seed: u64,
 ) -> Counts {
-    let mut checker = Checker::new(space.clone(), world.clone()).expect("a world");
-    let mut other = Checker::new(space, world).expect("a world");
+    let mut checker = Checker::new(space.clone(), cell.clone()).expect("a world");
+    let mut other = Checker::new(space, cell).expect("a world");
     let dims = other.space().coordinates();
     let (mut rng, mut counts) = (Rng::new(seed), Counts::default());
     for k in 0..paths {
@@ -186,11 +186,11 @@ fn judged<C: ConfigurationSpace + Clone>(
 }
 
 /// A box among boxes.
-fn room() -> World {
-    let mut world = World::new();
-    world.robot_body("box", solids::cuboid(Vector3::new(0.15, 0.1, 0.05)).expect("a box"));
-    posts(&mut world, 0.9).expect("posts");
-    world
+fn room() -> Cell {
+    let mut cell = Cell::new();
+    cell.robot_body("box", solids::cuboid(Vector3::new(0.15, 0.1, 0.05)).expect("a box"));
+    posts(&mut cell, 0.9).expect("posts");
+    cell
 }
 
 fn planar() -> PlanarSpace {
@@ -202,8 +202,8 @@ fn sliding() -> TranslationSpace {
 }
 
 fn judged_all(paths: u32, places: u32, seed: u64) {
-    let (arm, world) = chain(6, [-4.0, 4.0]).expect("an arm");
-    println!("chain of 6: {:?}", judged(arm, world, 1.5, paths, places, seed));
+    let (arm, cell) = chain(6, [-4.0, 4.0]).expect("an arm");
+    println!("chain of 6: {:?}", judged(arm, cell, 1.5, paths, places, seed));
     println!("planar: {:?}", judged(planar(), room(), 1.8, paths, places, seed + 1));
     println!("sliding: {:?}", judged(sliding(), room(), 1.8, paths, places, seed + 2));
 }
@@ -220,14 +220,14 @@ fn three_thousand_paths_become_smooth_and_stay_free() {
 }
 
 /// A block of half 0.1 on rails x and y, whose limits are `limit`, scaled.
-fn slider(scale: f64, limit: f64, world: impl FnOnce(&mut World)) -> Checker<JointTree> {
+fn slider(scale: f64, limit: f64, cell: impl FnOnce(&mut Cell)) -> Checker<JointTree> {
     let origin = Isometry3::identity();
     let rail = |axis| Joint::prismatic(origin, axis, [-limit * scale, limit * scale]);
     let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
     let space = JointTree::serial(origin, rails, vec![2], 0.2 * scale).expect("an arm");
-    let mut all = World::new();
+    let mut all = Cell::new();
     all.robot_body("block", solids::cuboid(Vector3::repeat(0.1 * scale)).expect("a box"));
-    world(&mut all);
+    cell(&mut all);
     Checker::new(space, all).expect("a world")
 }
 
@@ -359,13 +359,12 @@ fn steps_of_all_sizes_keep_the_limits() {
 }
 
 /// Walls above and below a corridor of half `0.1 + gap` along x, and then along y.
-fn corridor(scale: f64, gap: f64) -> impl FnOnce(&mut World) {
-    move |world| {
+fn corridor(scale: f64, gap: f64) -> impl FnOnce(&mut Cell) {
+    move |cell| {
         let mut wall = |name: &str, half: [f64; 2], at: [f64; 2]| {
             let half = Vector3::new(half[0], half[1], 1.0) * scale;
             let at = Isometry3::translation(at[0] * scale, at[1] * scale, 0.0);
-            world
-                .add_obstacle(name, solids::cuboid(half).expect("a box"), at)
+            cell.add_obstacle(name, solids::cuboid(half).expect("a box"), at)
                 .expect("an obstacle");
         };
         // From (-1, 0) to (0, 0) to (0, 1).
@@ -492,8 +491,8 @@ fn angles_turn_the_shorter_way() {
         assert!((rows[0][2] - rows[1][2]).abs() < 3.2, "{rows:?}");
     }
     // Joints that turn fully.
-    let (arm, world) = chain(6, [-20.0, 20.0]).expect("an arm");
-    let mut checker = Checker::new(arm, world).expect("a world");
+    let (arm, cell) = chain(6, [-20.0, 20.0]).expect("an arm");
+    let mut checker = Checker::new(arm, cell).expect("a world");
     let mut q = vec![1.4; 6];
     q.iter_mut().skip(1).for_each(|x| *x = 0.1);
     let ends = [
@@ -541,8 +540,8 @@ fn the_deviation_is_kept() {
 
 #[test]
 fn the_same_path_gives_the_same_bits() {
-    let (arm, world) = chain(6, [-4.0, 4.0]).expect("an arm");
-    let mut checker = Checker::new(arm.clone(), world.clone()).expect("a world");
+    let (arm, cell) = chain(6, [-4.0, 4.0]).expect("an arm");
+    let mut checker = Checker::new(arm.clone(), cell.clone()).expect("a world");
     let way = random_path(&mut checker, &mut Rng::new(9), 6, 1.5);
     let options = SmoothOptions::new([1.0; 6], [5.0; 6]).continuous_acceleration(true);
     let warm = Smoother::new(&options).smooth(&mut checker, &way).expect("a motion");
@@ -551,7 +550,7 @@ fn the_same_path_gives_the_same_bits() {
         Smoother::new(&options).smooth(&mut checker, &way).expect("a motion"),
         warm
     );
-    let mut other = Checker::new(arm, world).expect("a world");
+    let mut other = Checker::new(arm, cell).expect("a world");
     assert_eq!(
         Smoother::new(&options).smooth(&mut other, &way).expect("a motion"),
         warm
@@ -637,10 +636,10 @@ fn faults_are_named() {
     let smooth = Smoother::new(&open).smooth(&mut checker, &way).expect("a motion");
     assert!((smooth.duration() - 1.0).abs() < 1e-3, "{}", smooth.duration());
 
-    let mut world = World::new();
-    world.robot_body("part", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    let mut cell = Cell::new();
+    cell.robot_body("part", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
     let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.5, 1).expect("a space");
-    let mut rigid = Checker::new(space, world).expect("a world");
+    let mut rigid = Checker::new(space, cell).expect("a world");
     let at = |x: f64| vec![x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     let error = Smoother::new(&SmoothOptions::new([1.0; 7], [1.0; 7])).smooth(&mut rigid, &[at(0.0), at(1.0)]);
     assert!(
@@ -690,12 +689,11 @@ fn crowded(rng: &mut Rng) -> Option<(Path, Vec<[f64; 2]>)> {
     is_free.then_some((way, posts))
 }
 
-fn posted(posts: &[[f64; 2]]) -> impl FnOnce(&mut World) {
-    move |world| {
+fn posted(posts: &[[f64; 2]]) -> impl FnOnce(&mut Cell) {
+    move |cell| {
         for (k, [x, y]) in posts.iter().enumerate() {
             let post = solids::cuboid(Vector3::new(0.02, 0.02, 1.0)).expect("a box");
-            world
-                .add_obstacle(k, post, Isometry3::translation(*x, *y, 0.0))
+            cell.add_obstacle(k, post, Isometry3::translation(*x, *y, 0.0))
                 .expect("an obstacle");
         }
     }

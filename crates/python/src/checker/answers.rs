@@ -1,10 +1,10 @@
 //! Answers of a checker, with names.
 
-use lin_canny_robot::plan::{Checker, JointTree, NearPair as Near, Verdict as Judged, WorldPair};
+use lin_canny_robot::plan::{CellPair, Checker, JointTree, NearPair as Near, Verdict as Judged};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use super::world::BodyId;
+use super::cell::BodyId;
 use crate::array::triple;
 use crate::errors::no_condition;
 use crate::tracker::StartContact;
@@ -13,7 +13,7 @@ use crate::tracker::StartContact;
 pub(super) type Pair = (String, String);
 
 /// Returns the names of a pair.
-pub(super) fn names(checker: &Checker<JointTree>, pair: WorldPair) -> Pair {
+pub(super) fn names(checker: &Checker<JointTree>, pair: CellPair) -> Pair {
     (checker.name(pair.a).to_owned(), checker.name(pair.b).to_owned())
 }
 

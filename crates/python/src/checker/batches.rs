@@ -1,7 +1,7 @@
 //! Many configurations.
 
 use lin_canny_robot::Coordinate;
-use lin_canny_robot::plan::{Checker as Loaded, JointTree, NearPairs, PlanError, WorldId, WorldPair};
+use lin_canny_robot::plan::{CellBody, CellPair, Checker as Loaded, JointTree, NearPairs, PlanError};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 
@@ -28,15 +28,15 @@ struct Configurations<'a> {
 }
 
 /// The bodies of a world in the order of `Checker.bodies`.
-pub(super) struct Numbers(Vec<WorldId>);
+pub(super) struct Numbers(Vec<CellBody>);
 
 impl Numbers {
     pub(super) fn new(checker: &Loaded<JointTree>) -> Self {
-        Self(checker.world().bodies().map(|(id, _)| id).collect())
+        Self(checker.cell().bodies().map(|(id, _)| id).collect())
     }
 
     /// Returns the index of a body; bodies are in ascending order.
-    pub(super) fn of(&self, id: WorldId) -> i32 {
+    pub(super) fn of(&self, id: CellBody) -> i32 {
         self.0.binary_search(&id).map_or(-1, |k| k as i32)
     }
 }
@@ -234,7 +234,7 @@ fn near_pairs<'py>(py: Python<'py>, parts: &[NearPairs], numbers: &Numbers, dof:
         let values: Vec<[f64; 3]> = parts.iter().flat_map(of).copied().collect();
         of_triples(py, values).map(Bound::into_any)
     };
-    let body = |of: fn(&WorldPair) -> WorldId| {
+    let body = |of: fn(&CellPair) -> CellBody| {
         let pairs = parts.iter().flat_map(|part| &part.pairs);
         let indices = pairs.map(|pair| pair.as_ref().map_or(-1, |pair| numbers.of(of(pair))));
         PyArray1::from_vec(py, indices.collect()).into_any()

@@ -1,7 +1,7 @@
 //! Changes of the world of a checker, and what the world holds.
 
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_robot::plan::{PlanError, Select, TimedPoses, WorldId, WorldPair};
+use lin_canny_robot::plan::{CellBody, CellPair, PlanError, Select, TimedPoses};
 use numpy::PyArray2;
 use pyo3::Borrowed;
 use pyo3::exceptions::PyTypeError;
@@ -29,16 +29,16 @@ const TIMES: Argument = Argument {
 ///     The number of the body in the order of insertion.
 #[pyclass(frozen, eq, hash, module = "lin_canny")]
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) struct BodyId(pub(super) WorldId);
+pub(crate) struct BodyId(pub(super) CellBody);
 
 #[pymethods]
 impl BodyId {
     #[new]
     fn new(kind: &str, index: usize) -> PyResult<Self> {
         Ok(Self(match kind {
-            "robot" => WorldId::Robot(index),
-            "attached" => WorldId::Attached(index),
-            "obstacle" => WorldId::Obstacle(index),
+            "robot" => CellBody::Robot(index),
+            "attached" => CellBody::Attached(index),
+            "obstacle" => CellBody::Obstacle(index),
             _ => {
                 return Err(refused(format!(
                     "kind is {kind:?} (expected \"robot\", \"attached\" or \"obstacle\")"
@@ -51,9 +51,9 @@ impl BodyId {
     #[getter]
     fn kind(&self) -> &'static str {
         match self.0 {
-            WorldId::Robot(_) => "robot",
-            WorldId::Attached(_) => "attached",
-            WorldId::Obstacle(_) => "obstacle",
+            CellBody::Robot(_) => "robot",
+            CellBody::Attached(_) => "attached",
+            CellBody::Obstacle(_) => "obstacle",
         }
     }
 
@@ -61,7 +61,7 @@ impl BodyId {
     #[getter]
     fn index(&self) -> usize {
         match self.0 {
-            WorldId::Robot(k) | WorldId::Attached(k) | WorldId::Obstacle(k) => k,
+            CellBody::Robot(k) | CellBody::Attached(k) | CellBody::Obstacle(k) => k,
         }
     }
 
@@ -76,7 +76,7 @@ impl BodyId {
 
 /// Bodies as an argument: an id, a name, or several names.
 pub(super) enum Bodies {
-    Id(WorldId),
+    Id(CellBody),
     Name(String),
     Names(Vec<String>),
 }
@@ -118,19 +118,19 @@ fn pose_of(pose: Option<Pose>) -> Isometry3<f64> {
 }
 
 /// Converts the answer of a change.
-fn ids(found: Result<Vec<WorldId>, PlanError>) -> PyResult<Vec<BodyId>> {
+fn ids(found: Result<Vec<CellBody>, PlanError>) -> PyResult<Vec<BodyId>> {
     Ok(found.map_err(plan_error)?.into_iter().map(BodyId).collect())
 }
 
 impl Checker {
-    fn pair_names(&self, found: Result<Vec<WorldPair>, PlanError>) -> PyResult<Vec<Pair>> {
+    fn pair_names(&self, found: Result<Vec<CellPair>, PlanError>) -> PyResult<Vec<Pair>> {
         let pairs = found.map_err(plan_error)?.into_iter();
         Ok(pairs.map(|pair| names(&self.checker, pair)).collect())
     }
 
     /// Returns the id of an argument that stands for one body.
-    pub(super) fn one_body(&self, body: &Bodies) -> PyResult<WorldId> {
-        let ids = self.checker.world().select(body.select()).map_err(plan_error)?;
+    pub(super) fn one_body(&self, body: &Bodies) -> PyResult<CellBody> {
+        let ids = self.checker.cell().select(body.select()).map_err(plan_error)?;
         match (&ids[..], body) {
             ([id], _) => Ok(*id),
             (_, Bodies::Names(names)) => Err(plan_error(format!("bodies are {names:?} (expected one)"))),
@@ -142,8 +142,8 @@ impl Checker {
         }
     }
 
-    pub(super) fn pair_of(&self, a: WorldId, b: WorldId) -> PyResult<WorldPair> {
-        let pair = WorldPair::new(a, b);
+    pub(super) fn pair_of(&self, a: CellBody, b: CellBody) -> PyResult<CellPair> {
+        let pair = CellPair::new(a, b);
         pair.ok_or_else(|| plan_error(format!("{a} and {b} are not a pair that is checked")))
     }
 }
@@ -164,7 +164,7 @@ impl Checker {
     #[pyo3(signature = (name, geometry, pose=None))]
     fn add_obstacle(&mut self, name: &str, geometry: &Bound<'_, Geometry>, pose: Option<Pose>) -> PyResult<BodyId> {
         let geometry = geometry.get().0.clone();
-        let id = self.checker.world_mut().add_obstacle(name, geometry, pose_of(pose));
+        let id = self.checker.cell_mut().add_obstacle(name, geometry, pose_of(pose));
         id.map(BodyId).map_err(plan_error)
     }
 
@@ -203,13 +203,13 @@ impl Checker {
         let fault = |e: PlanError| plan_error(format!("obstacle {name:?}: {e}"));
         let poses = TimedPoses::new(&times, &poses).map_err(fault)?;
         let geometry = geometry.get().0.clone();
-        let id = self.checker.world_mut().add_moving_obstacle(name, geometry, poses);
+        let id = self.checker.cell_mut().add_moving_obstacle(name, geometry, poses);
         id.map(BodyId).map_err(plan_error)
     }
 
     /// Moves obstacles to a pose in the world, and returns their ids.
     fn move_obstacle(&mut self, bodies: Bodies, pose: Pose) -> PyResult<Vec<BodyId>> {
-        ids(self.checker.world_mut().move_obstacle(bodies.select(), pose.0))
+        ids(self.checker.cell_mut().move_obstacle(bodies.select(), pose.0))
     }
 
     /// Replaces the geometry of obstacles, and returns their ids; poses, names and ids stay.
@@ -217,12 +217,12 @@ impl Checker {
     /// This is the call for the next cloud of a camera.
     fn replace_obstacle(&mut self, bodies: Bodies, geometry: &Bound<'_, Geometry>) -> PyResult<Vec<BodyId>> {
         let geometry = geometry.get().0.clone();
-        ids(self.checker.world_mut().replace_obstacle(bodies.select(), geometry))
+        ids(self.checker.cell_mut().replace_obstacle(bodies.select(), geometry))
     }
 
     /// Removes obstacles, with their paddings, margins and excluded pairs, and returns their ids.
     fn remove_obstacle(&mut self, bodies: Bodies) -> PyResult<Vec<BodyId>> {
-        ids(self.checker.world_mut().remove_obstacle(bodies.select()))
+        ids(self.checker.cell_mut().remove_obstacle(bodies.select()))
     }
 
     /// Attaches an object to a link, and returns its id: it moves with the link in every query.
@@ -251,14 +251,14 @@ impl Checker {
         let geometry = geometry.get().0.clone();
         let id = self
             .checker
-            .world_mut()
+            .cell_mut()
             .attach(link, name, geometry, pose_of(pose), &touch);
         id.map(BodyId).map_err(plan_error)
     }
 
     /// Removes attached objects, and returns their ids.
     fn detach(&mut self, bodies: Bodies) -> PyResult<Vec<BodyId>> {
-        ids(self.checker.world_mut().detach(bodies.select()))
+        ids(self.checker.cell_mut().detach(bodies.select()))
     }
 
     /// Removes an attached object, and leaves it as an obstacle where it is at a configuration.
@@ -273,14 +273,14 @@ impl Checker {
     ///
     /// Returns the ids. Distances do not change; `NearPair.excess` takes the padding off.
     fn pad(&mut self, bodies: Bodies, padding: f64) -> PyResult<Vec<BodyId>> {
-        ids(self.checker.world_mut().pad(bodies.select(), padding))
+        ids(self.checker.cell_mut().pad(bodies.select(), padding))
     }
 
     /// Sets the distance that the pairs of two bodies must keep, instead of the margin of all pairs.
     ///
     /// None removes it. Returns the names of the pairs.
     fn set_pair_margin(&mut self, a: Bodies, b: Bodies, margin: Option<f64>) -> PyResult<Vec<Pair>> {
-        let found = self.checker.world_mut().set_pair_margin(a.select(), b.select(), margin);
+        let found = self.checker.cell_mut().set_pair_margin(a.select(), b.select(), margin);
         self.pair_names(found)
     }
 
@@ -288,7 +288,7 @@ impl Checker {
     ///
     /// Returns the names of the pairs that were checked before.
     fn exclude(&mut self, a: Bodies, b: Bodies) -> PyResult<Vec<Pair>> {
-        let found = self.checker.world_mut().exclude(a.select(), b.select());
+        let found = self.checker.cell_mut().exclude(a.select(), b.select());
         self.pair_names(found)
     }
 
@@ -296,7 +296,7 @@ impl Checker {
     ///
     /// Returns the names of the pairs that were excluded.
     fn include(&mut self, a: Bodies, b: Bodies) -> PyResult<Vec<Pair>> {
-        let found = self.checker.world_mut().include(a.select(), b.select());
+        let found = self.checker.cell_mut().include(a.select(), b.select());
         self.pair_names(found)
     }
 
@@ -304,14 +304,14 @@ impl Checker {
     /// if all pairs of their bodies are excluded.
     #[getter]
     fn excluded(&self) -> Vec<(&str, &str)> {
-        let names = self.checker.world().excluded_names();
+        let names = self.checker.cell().excluded_names();
         names.into_iter().map(|[a, b]| (a, b)).collect()
     }
 
     /// All excluded pairs of bodies, by their ids.
     #[getter]
     fn excluded_ids(&self) -> Vec<(BodyId, BodyId)> {
-        let pairs = self.checker.world().excluded();
+        let pairs = self.checker.cell().excluded();
         pairs.map(|[a, b]| (BodyId(a), BodyId(b))).collect()
     }
 
@@ -320,20 +320,20 @@ impl Checker {
     /// The name of a link with several bodies is repeated.
     #[getter]
     fn bodies(&self) -> Vec<&str> {
-        self.checker.world().bodies().map(|(_, name)| name).collect()
+        self.checker.cell().bodies().map(|(_, name)| name).collect()
     }
 
     /// The ids of `bodies`, in the same order.
     #[getter]
     fn ids(&self) -> Vec<BodyId> {
-        self.checker.world().bodies().map(|(id, _)| BodyId(id)).collect()
+        self.checker.cell().bodies().map(|(id, _)| BodyId(id)).collect()
     }
 
     /// Returns the padding of a body, a length.
     ///
     /// body: a BodyId, or a name that stands for one body.
     fn padding(&self, body: Bodies) -> PyResult<f64> {
-        Ok(self.checker.world().padding(self.one_body(&body)?))
+        Ok(self.checker.cell().padding(self.one_body(&body)?))
     }
 
     /// Returns the distance that two bodies must keep: their margin plus both paddings.
@@ -341,7 +341,7 @@ impl Checker {
     /// a, b: a BodyId each, or a name that stands for one body.
     fn kept_distance(&self, a: Bodies, b: Bodies) -> PyResult<f64> {
         let pair = self.pair_of(self.one_body(&a)?, self.one_body(&b)?)?;
-        Ok(self.checker.world().kept_distance(pair))
+        Ok(self.checker.cell().kept_distance(pair))
     }
 
     /// Returns the pose of a body in the world at a configuration, shape (4, 4).

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use super::Checker;
 use super::answers::{Pair, names};
-use super::world::{Bodies, BodyId};
+use super::cell::{Bodies, BodyId};
 use crate::array::{Argument, numbers, of_table};
 use crate::errors::{no_condition, plan_error};
 use crate::watch::Watch;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_robot::{Cell, Setup};
+use lin_canny_robot::{CellFile, Setup};
 use pyo3::Borrowed;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -115,7 +115,7 @@ pub(super) fn add_cell(
     let Some(cell) = cell else { return Ok(()) };
     let (packages, options) = robots.first()?.get().mesh_sources()?;
     let options = options.keep_invalid(keep_invalid);
-    let cell = Cell::load(cell.extract::<PathBuf>()?, &packages, &options).map_err(file_error)?;
+    let cell = CellFile::load(cell.extract::<PathBuf>()?, &packages, &options).map_err(file_error)?;
     setup.cell(&cell);
     Ok(())
 }

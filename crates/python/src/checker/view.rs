@@ -10,7 +10,7 @@ use crate::array::{Argument, contiguous, numbers};
 use crate::errors::{file_error, plan_error};
 use crate::geometry::Geometry;
 
-use super::world::Bodies;
+use super::cell::Bodies;
 
 const TIMES: Argument = Argument {
     name: "times",
@@ -24,7 +24,7 @@ impl Checker {
     /// body: a BodyId, or a name that stands for one body.
     fn geometry(&self, body: Bodies) -> PyResult<Geometry> {
         let id = self.one_body(&body)?;
-        let geometry = self.checker.world().geometry(id).cloned();
+        let geometry = self.checker.cell().geometry(id).cloned();
         geometry
             .map(Geometry)
             .ok_or_else(|| plan_error(format!("{id} has no geometry")))

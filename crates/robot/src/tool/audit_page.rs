@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use lin_canny::nalgebra::Point3;
 use lin_canny::{PairTracker, RelativePose};
 use lin_canny_record::escaped;
-use lin_canny_robot::plan::{Checker, JointTree, PlanError, WorldId};
+use lin_canny_robot::plan::{CellBody, Checker, JointTree, PlanError};
 use lin_canny_robot::{AuditVerdict, Coordinate, LinkAudit};
 
 use super::drawing::{self, Drawing};
@@ -108,11 +108,11 @@ impl AuditPage<'_> {
 
 /// Draws all bodies of both links at the configuration of the least distance.
 fn picture(one: &LinkAudit, checker: &Checker<JointTree>) -> Result<String, PlanError> {
-    let mut links: BTreeMap<WorldId, usize> = BTreeMap::new();
+    let mut links: BTreeMap<CellBody, usize> = BTreeMap::new();
     let (mut points, mut least) = (None, f64::INFINITY);
     for answer in &one.answers {
         let ids = [answer.pair.a, answer.pair.b];
-        let [a, b] = ids.map(|id| checker.world().geometry(id));
+        let [a, b] = ids.map(|id| checker.cell().geometry(id));
         let (Some(a), Some(b)) = (a, b) else { continue };
         links.extend(ids.into_iter().zip([0, 1]));
         let [first, second] = ids.map(|id| checker.pose(id, &one.at));
@@ -127,14 +127,14 @@ fn picture(one: &LinkAudit, checker: &Checker<JointTree>) -> Result<String, Plan
     // A half-space is drawn below or next to the other link.
     let mut near = (Point3::origin(), 1.0);
     for id in links.keys() {
-        let ball = checker.world().geometry(*id).map(|geometry| geometry.bounding_ball());
+        let ball = checker.cell().geometry(*id).map(|geometry| geometry.bounding_ball());
         if let Some((centre, radius)) = ball.filter(|(_, radius)| radius.is_finite()) {
             near = (checker.pose(*id, &one.at)? * centre, radius);
         }
     }
     let mut drawing = Drawing::default();
     for (id, link) in links {
-        if let Some(geometry) = checker.world().geometry(id) {
+        if let Some(geometry) = checker.cell().geometry(id) {
             drawing.body(geometry, &checker.pose(id, &one.at)?, link, near);
         }
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use lin_canny_robot::Cell;
+use lin_canny_robot::CellFile;
 
 use super::end::{End, ToolError};
 use super::options::RobotOptions;
@@ -25,20 +25,19 @@ pub(super) fn run(options: &CellOptions) -> Result<End, ToolError> {
     let (_, setup) = options.robot.load()?;
     let mut checker = setup.checker()?;
     if let Some(margin) = options.margin {
-        checker.world_mut().set_margin(margin)?;
+        checker.cell_mut().set_margin(margin)?;
     }
-    let world = checker.world();
-    let cell = Cell::from_world(world);
+    let file = CellFile::from_world(checker.cell());
     match &options.out {
-        Some(file) => cell.save(file)?,
-        None => text::put(format_args!("{}", cell.to_json()?)),
+        Some(path) => file.save(path)?,
+        None => text::put(format_args!("{}", file.to_json()?)),
     }
     warn!(
         "obstacles: {}, attached objects: {}, paddings: {}, excluded pairs of bodies: {}",
-        cell.obstacles.len(),
-        cell.attached.len(),
-        cell.paddings.len(),
-        world.excluded().len(),
+        file.obstacles.len(),
+        file.attached.len(),
+        file.paddings.len(),
+        checker.cell().excluded().len(),
     );
     Ok(End::Free)
 }

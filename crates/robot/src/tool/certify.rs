@@ -117,12 +117,12 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     };
     let mut checker = setup.checker()?;
     if let Some(margin) = options.margin {
-        checker.world_mut().set_margin(margin)?;
+        checker.cell_mut().set_margin(margin)?;
     }
     checker.set_start_contact_margin(options.start_contact)?;
     options.pair_boxes.set(&mut checker)?;
     if path.times.is_none() {
-        check_at_rest(checker.world(), file, "a column \"time\"")?;
+        check_at_rest(checker.cell(), file, "a column \"time\"")?;
     }
     let mut table = Table::new(COLUMNS);
     let bar = progress("segments", path.rows.len() as u64 - 1);
@@ -196,7 +196,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             } => {
                 let [a, b] = names(&checker, pair);
                 let (time, at) = (time_at(&path, k, t), place(t, time_at(&path, k, t)));
-                let meet = match (checker.world().margin(), tube) {
+                let meet = match (checker.cell().margin(), tube) {
                     (0.0, None) => "meet".to_owned(),
                     (0.0, Some(_)) => "may meet in the tube".to_owned(),
                     (margin, None) => format!("come within {margin} m"),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use lin_canny_robot::plan::{
-    Checker, JointCurve, JointMotion, JointTree, NearPair, PlanError, SegmentClearance, Verdict, WorldId, WorldPair,
+    CellBody, CellPair, Checker, JointCurve, JointMotion, JointTree, NearPair, PlanError, SegmentClearance, Verdict,
 };
 use lin_canny_robot::{Setup, Trajectory};
 
@@ -57,7 +57,7 @@ pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
         .load(&options.robot, &robot, &setup, if options.along { 2 } else { 1 })?;
     let mut checker = checker(&setup, options.against)?;
     if rows.times.is_none() {
-        check_at_rest(checker.world(), options.rows.file(), "a column \"time\"")?;
+        check_at_rest(checker.cell(), options.rows.file(), "a column \"time\"")?;
     }
     let (table, end) = if options.along {
         measure_segments(options, &mut checker, &rows)?
@@ -76,10 +76,10 @@ fn checker(setup: &Setup, against: Against) -> Result<Checker<JointTree>, ToolEr
     if against == Against::All {
         return Ok(checker);
     }
-    let mut world = checker.world().clone();
-    let is_of_cell = |pair: WorldPair| matches!(pair.b, WorldId::Obstacle(_));
-    world.exclude_if(|pair| is_of_cell(pair) != (against == Against::Cell));
-    Ok(Checker::new(checker.space().clone(), world)?)
+    let mut cell = checker.cell().clone();
+    let is_of_cell = |pair: CellPair| matches!(pair.b, CellBody::Obstacle(_));
+    cell.exclude_if(|pair| is_of_cell(pair) != (against == Against::Cell));
+    Ok(Checker::new(checker.space().clone(), cell)?)
 }
 
 const COLUMNS: [&str; 13] = [
@@ -164,8 +164,8 @@ fn set_time(
 fn pair_columns(
     checker: &mut Checker<JointTree>,
     q: &[f64],
-) -> Result<(Vec<String>, HashMap<WorldPair, usize>), ToolError> {
-    let mut pairs: Vec<WorldPair> = checker.nearest(q, f64::INFINITY)?.iter().map(|n| n.pair).collect();
+) -> Result<(Vec<String>, HashMap<CellPair, usize>), ToolError> {
+    let mut pairs: Vec<CellPair> = checker.nearest(q, f64::INFINITY)?.iter().map(|n| n.pair).collect();
     pairs.sort_unstable();
     let mut titles = Vec::new();
     let mut by_title = HashMap::new();

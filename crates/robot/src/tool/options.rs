@@ -7,7 +7,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion};
-use lin_canny_robot::plan::{World, WorldId};
+use lin_canny_robot::plan::{Cell, CellBody};
 use lin_canny_robot::{
     Coordinate, FileError, FileErrorKind, LoadOptions, MeshUse, OtherRobot, Packages, Robot, RobotFiles, Setup,
     Skipped, Srdf, Trajectory,
@@ -431,13 +431,13 @@ pub(super) fn duration(text: &str) -> Result<Duration, String> {
 }
 
 /// Returns an error if an obstacle moves, because `expected` is missing.
-pub(super) fn check_at_rest(world: &World, file: &Path, expected: &str) -> Result<(), ToolError> {
-    let moves = |id: &WorldId| world.obstacle_motion(*id).is_some();
-    match world.bodies().map(|(id, _)| id).find(moves) {
+pub(super) fn check_at_rest(cell: &Cell, file: &Path, expected: &str) -> Result<(), ToolError> {
+    let moves = |id: &CellBody| cell.obstacle_motion(*id).is_some();
+    match cell.bodies().map(|(id, _)| id).find(moves) {
         None => Ok(()),
         Some(id) => Err(ToolError::State {
             file: file.to_owned(),
-            reason: format!("obstacle {:?} moves (expected {expected})", world.name(id)),
+            reason: format!("obstacle {:?} moves (expected {expected})", cell.name(id)),
         }),
     }
 }

@@ -68,12 +68,12 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     let (start, goal) = (&rows.rows[0], &rows.rows[rows.rows.len() - 1]);
     let mut checker = setup.checker()?;
     check_at_rest(
-        checker.world(),
+        checker.cell(),
         options.rows.file(),
         "obstacles at rest in the search for a path",
     )?;
     if let Some(margin) = options.margin {
-        checker.world_mut().set_margin(margin)?;
+        checker.cell_mut().set_margin(margin)?;
     }
     options.pair_boxes.set(&mut checker)?;
     let began = Instant::now();
@@ -116,7 +116,7 @@ fn blocked(
     let mut how = "in contact or closer than the margin".to_owned();
     if let Ok(Some(near)) = checker.clearance(&rows.rows[row]) {
         [a, b] = names(checker, near.pair);
-        let (far, margin) = (distance(near.lower, near.upper), checker.world().margin());
+        let (far, margin) = (distance(near.lower, near.upper), checker.cell().margin());
         how = if near.upper <= 0.0 {
             format!("in contact at the {end}")
         } else {

@@ -97,7 +97,7 @@ pub(super) fn run(options: &SmoothArguments) -> Result<End, ToolError> {
         .deviation(options.deviation.unwrap_or(f64::INFINITY));
     let mut checker = setup.checker()?;
     if let Some(margin) = options.margin {
-        checker.world_mut().set_margin(margin)?;
+        checker.cell_mut().set_margin(margin)?;
     }
     let bar = progress("pieces", 0);
     let found = Smoother::new(&smooth)

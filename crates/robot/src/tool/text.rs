@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, WorldPair};
+use lin_canny_robot::plan::{CellPair, Checker, ConfigurationSpace};
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use super::end::ToolError;
@@ -45,7 +45,7 @@ pub(super) fn progress(what: &'static str, length: u64) -> ProgressBar {
     }
 }
 
-pub(super) fn names<C: ConfigurationSpace>(checker: &Checker<C>, pair: WorldPair) -> [String; 2] {
+pub(super) fn names<C: ConfigurationSpace>(checker: &Checker<C>, pair: CellPair) -> [String; 2] {
     [pair.a, pair.b].map(|part| checker.name(part).to_owned())
 }
 

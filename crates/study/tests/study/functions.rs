@@ -101,7 +101,7 @@ fn an_attached_object_a_padding_and_an_excluded_pair_are_those_of_the_checker() 
         let bits = |text: &String| f64::from_bits(u64::from_str_radix(text, 16).expect("bits"));
         let q: Vec<f64> = row[..6].iter().map(bits).collect();
         let mut checker = study.setup().checker().expect("a checker");
-        checker.world_mut().set_margin(0.01).expect("a margin");
+        checker.cell_mut().set_margin(0.01).expect("a margin");
         let near = checker.nearest(&q, 0.1).expect("a configuration");
         assert_eq!(bits(&row[7]).to_bits(), near[0].distance.to_bits(), "{q:?}");
         let names = [near[0].pair.a, near[0].pair.b].map(|part| checker.name(part).to_owned());
@@ -122,21 +122,21 @@ fn an_attached_object_a_padding_and_an_excluded_pair_are_those_of_the_checker() 
 #[test]
 fn a_saved_world_is_the_same_study() {
     let mut checker = files().load().expect("the example").1.checker().expect("a checker");
-    checker.world_mut().set_margin(0.02).expect("a margin");
-    checker.world_mut().pad("gripper", 0.01).expect("a padding");
-    checker.world_mut().exclude("base", "gripper").expect("a pair");
+    checker.cell_mut().set_margin(0.02).expect("a margin");
+    checker.cell_mut().pad("gripper", 0.01).expect("a padding");
+    checker.cell_mut().exclude("base", "gripper").expect("a pair");
     let file = crate::scratch("saved").join("cell.json");
-    Cell::from_world(checker.world()).save(&file).expect("a file");
+    Cell::from_world(checker.cell()).save(&file).expect("a file");
     let mut saved = files();
     saved.cell = Some(file);
     let of = |options| Study::load(&saved, options).expect("the saved cell");
     let found = of(StudyOptions::default());
     let again = found
-        .with_checker(|c| (c.world().margin(), c.world().clone()))
+        .with_checker(|c| (c.cell().margin(), c.cell().clone()))
         .expect("a checker");
     assert_eq!(again.0, 0.02);
-    let text = |world| Cell::from_world(world).to_json().expect("a text");
-    assert_eq!(text(&again.1), text(checker.world()));
+    let text = |cell| Cell::from_world(cell).to_json().expect("a text");
+    assert_eq!(text(&again.1), text(checker.cell()));
     // The same margin in other words is the same study, another margin is another.
     assert_eq!(
         found.fingerprint(),

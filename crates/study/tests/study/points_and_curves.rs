@@ -80,9 +80,9 @@ fn signed_distances_are_those_of_the_library() {
         let [x, y, z] = [1, 2, 3].map(|k| bits(&row[k]));
         let expected = study
             .with_checker(|checker| {
-                let world = checker.world();
-                let id = world.bodies().find(|(_, name)| *name == row[0]).expect("a body").0;
-                let query = PointQuery::new(world.geometry(id).expect("a geometry"));
+                let cell = checker.cell();
+                let id = cell.bodies().find(|(_, name)| *name == row[0]).expect("a body").0;
+                let query = PointQuery::new(cell.geometry(id).expect("a geometry"));
                 query.closest_point(&Point3::new(x, y, z)).expect("a point")
             })
             .expect("a checker");

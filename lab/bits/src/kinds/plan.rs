@@ -9,9 +9,9 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Shape, Tracker};
 use lin_canny_plan::receipt::Receipt;
 use lin_canny_plan::{
-    Certified, CertifyOptions, Checker, ClearanceWidth, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree,
-    PlanError, PlanOptions, PlanarSpace, RangeOptions, RangeProver, RigidSpace, RrtConnect, Shortcuts, SmoothOptions,
-    Smoother, TimedPoses, TranslationSpace, World, widen,
+    Cell, Certified, CertifyOptions, Checker, ClearanceWidth, ConfigurationSpace, Joint, JointCurve, JointMotion,
+    JointTree, PlanError, PlanOptions, PlanarSpace, RangeOptions, RangeProver, RigidSpace, RrtConnect, Shortcuts,
+    SmoothOptions, Smoother, TimedPoses, TranslationSpace, widen,
 };
 use std::ops::ControlFlow;
 
@@ -20,22 +20,20 @@ fn prove<C: ConfigurationSpace>(checker: &mut Checker<C>, motion: &JointMotion) 
     checker.certify_with(motion, CertifyOptions::default().certificates(true))
 }
 
-fn room(r: &mut Random) -> World {
-    let mut world = World::new();
-    world.robot_body("robot", hull(r, 14, 1));
+fn room(r: &mut Random) -> Cell {
+    let mut cell = Cell::new();
+    cell.robot_body("robot", hull(r, 14, 1));
     for k in 0..5 {
-        world
-            .add_obstacle(format!("obstacle {k}"), round(r, 16), isometry(r, 3.0))
+        cell.add_obstacle(format!("obstacle {k}"), round(r, 16), isometry(r, 3.0))
             .expect("an obstacle");
     }
-    world
-        .add_obstacle("mesh", dented(&round(r, 12), 0.8), isometry(r, 3.5))
+    cell.add_obstacle("mesh", dented(&round(r, 12), 0.8), isometry(r, 3.5))
         .expect("an obstacle");
-    world
+    cell
 }
 
-fn questions<C: ConfigurationSpace>(t: &mut Teller, r: &mut Random, space: C, world: World, rounds: u64) {
-    let mut checker = Checker::new(space, world).expect("a checker");
+fn questions<C: ConfigurationSpace>(t: &mut Teller, r: &mut Random, space: C, cell: Cell, rounds: u64) {
+    let mut checker = Checker::new(space, cell).expect("a checker");
     let mut last = checker.space().sample(&mut || r.range(0.0, 1.0));
     for k in 0..rounds {
         let q = checker.space().sample(&mut || r.range(0.0, 1.0));
@@ -65,20 +63,20 @@ fn questions<C: ConfigurationSpace>(t: &mut Teller, r: &mut Random, space: C, wo
 
 pub(super) fn spaces(t: &mut Teller, r: &mut Random) {
     for _ in 0..t.rounds(16) {
-        let world = room(r);
+        let cell = room(r);
         let planar = PlanarSpace::new([[-4.0, 4.0]; 2], 1.0, 1).expect("a space");
-        questions(t, r, planar, world.clone(), 10);
+        questions(t, r, planar, cell.clone(), 10);
         let rotation = turn(r, 1.0);
         let translations = TranslationSpace::new([[-4.0, 4.0]; 3], rotation, 1).expect("a space");
-        questions(t, r, translations, world.clone(), 10);
+        questions(t, r, translations, cell.clone(), 10);
         let rigid = RigidSpace::new([[-4.0, 4.0]; 3], 1.0, 1).expect("a space");
-        questions(t, r, rigid, world, 10);
+        questions(t, r, rigid, cell, 10);
     }
 }
 
 /// Six axes; boxes, a prism and a curved shape on its links; a cell.
-fn six_axes() -> (JointTree, World) {
-    let mut world = World::new();
+fn six_axes() -> (JointTree, Cell) {
+    let mut cell = Cell::new();
     let block = |size: [f64; 3], z: f64| {
         let solid = solids::cuboid(Vector3::from(size) * 0.5).expect("a box");
         solid.transformed(&Isometry3::translation(0.0, 0.0, z)).expect("a box")
@@ -95,7 +93,7 @@ fn six_axes() -> (JointTree, World) {
     let links = bodies.iter().map(|b| b.1).collect();
     let names = bodies.each_ref().map(|b| b.0);
     for (name, _, shape) in bodies {
-        world.robot_body(name, shape);
+        cell.robot_body(name, shape);
     }
     let (y, z) = (Vector3::y_axis(), Vector3::z_axis());
     let joints = [
@@ -117,36 +115,34 @@ fn six_axes() -> (JointTree, World) {
         ("post", [0.06, 0.06, 1.8], [-0.7, 0.7, 0.9]),
     ] {
         let [x, y, z] = at;
-        world
-            .add_obstacle(name, block(size, 0.0), Isometry3::translation(x, y, z))
+        cell.add_obstacle(name, block(size, 0.0), Isometry3::translation(x, y, z))
             .expect("an obstacle");
     }
-    world
-        .add_obstacle(
-            "tank",
-            Shape::cylinder(0.3, 0.2).expect("a shape"),
-            Isometry3::translation(-0.6, -0.3, 0.3),
-        )
-        .expect("an obstacle");
+    cell.add_obstacle(
+        "tank",
+        Shape::cylinder(0.3, 0.2).expect("a shape"),
+        Isometry3::translation(-0.6, -0.3, 0.3),
+    )
+    .expect("an obstacle");
     for (k, name) in names.iter().enumerate() {
         for other in names.iter().skip(k + 1).take(2) {
-            world.exclude(name, other).expect("names");
+            cell.exclude(name, other).expect("names");
         }
     }
-    world.exclude("base", "floor").expect("names");
-    (arm, world)
+    cell.exclude("base", "floor").expect("names");
+    (arm, cell)
 }
 
 pub(super) fn arm(t: &mut Teller, r: &mut Random) {
-    let (arm, world) = six_axes();
+    let (arm, cell) = six_axes();
     let rounds = t.rounds(240);
-    questions(t, r, arm, world, rounds);
+    questions(t, r, arm, cell, rounds);
 }
 
 pub(super) fn arm_plan(t: &mut Teller, r: &mut Random) {
     for seed in 0..t.rounds(30) {
-        let (arm, world) = six_axes();
-        let mut checker = Checker::new(arm, world).expect("a checker");
+        let (arm, cell) = six_axes();
+        let mut checker = Checker::new(arm, cell).expect("a checker");
         let mut free = || loop {
             let q = checker.space().sample(&mut || r.range(0.0, 1.0));
             if checker
@@ -182,8 +178,8 @@ fn near(r: &mut Random, space: &impl ConfigurationSpace, count: usize, far: f64)
 }
 
 pub(super) fn curves(t: &mut Teller, r: &mut Random) {
-    let (arm, world) = six_axes();
-    let mut checker = Checker::new(arm, world).expect("a checker");
+    let (arm, cell) = six_axes();
+    let mut checker = Checker::new(arm, cell).expect("a checker");
     for k in 0..t.rounds(60) {
         let q = near(r, checker.space(), 6, [0.02, 0.1][k as usize % 2]);
         let rates: Vec<Vec<f64>> = q
@@ -233,8 +229,8 @@ pub(super) fn curves(t: &mut Teller, r: &mut Random) {
 
 pub(super) fn ranges(t: &mut Teller, r: &mut Random) {
     for k in 0..t.rounds(12) {
-        let (arm, world) = six_axes();
-        let mut checker = Checker::new(arm, world).expect("a checker");
+        let (arm, cell) = six_axes();
+        let mut checker = Checker::new(arm, cell).expect("a checker");
         let q = checker.space().sample(&mut || r.range(0.3, 0.7));
         let half = [0.05, 0.3, 0.6][k as usize % 3];
         let low: Vec<f64> = q.iter().map(|x| x - half).collect();
@@ -269,8 +265,8 @@ pub(super) fn ranges(t: &mut Teller, r: &mut Random) {
 
 pub(super) fn receipts(t: &mut Teller, r: &mut Random) {
     let text = |receipt: Result<Receipt, _>| receipt.map(|receipt| receipt.to_string());
-    let (arm, world) = six_axes();
-    let mut checker = Checker::new(arm, world).expect("a checker");
+    let (arm, cell) = six_axes();
+    let mut checker = Checker::new(arm, cell).expect("a checker");
     for k in 0..t.rounds(60) {
         let q = near(r, checker.space(), 3, [0.02, 0.3][k as usize % 2]);
         t.tell(
@@ -301,13 +297,13 @@ pub(super) fn receipts(t: &mut Teller, r: &mut Random) {
 pub(super) fn timed_obstacles(t: &mut Teller, r: &mut Random) {
     let times = [-1.0, 0.25, 0.5, 2.0];
     for k in 0..t.rounds(60) {
-        let (arm, mut world) = six_axes();
+        let (arm, mut cell) = six_axes();
         let cart = [Geometry::from(dented(&round(r, 12), 0.8)), round(r, 12).into()][k as usize % 2].clone();
         let rows: Vec<_> = times.iter().map(|_| isometry(r, 1.8)).collect();
         let poses = TimedPoses::new(&times, &rows).expect("timed poses");
         t.tell("poses", [-1.0, -0.3, 0.3, 0.5, 1.9].map(|time| poses.at(time)));
-        world.add_moving_obstacle("cart", cart, poses).expect("an obstacle");
-        let mut checker = Checker::new(arm, world).expect("a checker");
+        cell.add_moving_obstacle("cart", cart, poses).expect("an obstacle");
+        let mut checker = Checker::new(arm, cell).expect("a checker");
         for frame in 0..4 {
             let time = 0.3 * f64::from(frame);
             checker.set_time(time).expect("a time");
@@ -326,8 +322,8 @@ pub(super) fn timed_obstacles(t: &mut Teller, r: &mut Random) {
 /// Worlds whose obstacles come, move, are replaced and go, and objects that the arm carries.
 pub(super) fn worlds(t: &mut Teller, r: &mut Random) {
     for _ in 0..t.rounds(12) {
-        let (arm, world) = six_axes();
-        let mut checker = Checker::new(arm, world).expect("a checker");
+        let (arm, cell) = six_axes();
+        let mut checker = Checker::new(arm, cell).expect("a checker");
         for k in 0..24 {
             let name = format!("thing {k}");
             let pose = isometry(r, 1.2);
@@ -343,21 +339,21 @@ pub(super) fn worlds(t: &mut Teller, r: &mut Random) {
             let known = format!("thing {}", r.below(k + 1));
             let done = match r.below(7) {
                 0 | 1 => checker
-                    .world_mut()
+                    .cell_mut()
                     .add_obstacle(&name, geometry, pose)
                     .map(|id| vec![id]),
-                2 => checker.world_mut().move_obstacle(&known[..], pose),
-                3 => checker.world_mut().replace_obstacle(&known[..], geometry),
-                4 => checker.world_mut().remove_obstacle(&known[..]),
+                2 => checker.cell_mut().move_obstacle(&known[..], pose),
+                3 => checker.cell_mut().replace_obstacle(&known[..], geometry),
+                4 => checker.cell_mut().remove_obstacle(&known[..]),
                 5 => {
                     let held = Shape::ball(0.05).expect("a ball");
                     let place = Isometry3::translation(0.0, 0.0, 0.2);
                     checker
-                        .world_mut()
+                        .cell_mut()
                         .attach("gripper", &name, held, place, &["wrist 2"])
                         .map(|id| vec![id])
                 }
-                _ => checker.world_mut().pad("floor", 0.01 * size),
+                _ => checker.cell_mut().pad("floor", 0.01 * size),
             };
             t.tell("change", done);
             let q = near(r, checker.space(), 2, 0.3);
@@ -367,7 +363,7 @@ pub(super) fn worlds(t: &mut Teller, r: &mut Random) {
             t.tell("contacts", checker.in_contact(&q[1]));
         }
         t.tell("work", checker.work());
-        let stored = serde_json::to_string(checker.world()).expect("JSON");
+        let stored = serde_json::to_string(checker.cell()).expect("JSON");
         t.tell("world", stored);
     }
 }

@@ -3,7 +3,7 @@
 use crate::{Random, Teller};
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_plan::ConfigurationSpace;
-use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Trajectory};
+use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Setup, Trajectory};
 use std::fmt::Write;
 
 /// Returns a decimal of three digits up to `most` thousandths, so that the text is short.
@@ -17,7 +17,7 @@ fn decimals(r: &mut Random, most: &[u64]) -> String {
     all.join(" ")
 }
 
-fn tell_robot(t: &mut Teller, r: &mut Random, text: &str, name: &str, cell: Option<&Cell>) -> Robot {
+fn tell_robot(t: &mut Teller, r: &mut Random, text: &str, name: &str, cell: Option<&CellFile>) -> Robot {
     let options = LoadOptions::default();
     let robot = Robot::parse(text, name, &Packages::default(), &options).expect("a robot");
     for (joint, link) in robot.joints().iter().zip(robot.links()) {
@@ -70,7 +70,7 @@ pub(super) fn urdf(t: &mut Teller, r: &mut Random) {
             turn.replace(' ', ", "),
             about.replace(' ', ", ")
         );
-        let cell = Cell::parse(&cell, "cell.json", &Packages::default(), &LoadOptions::default()).expect("a cell");
+        let cell = CellFile::parse(&cell, "cell.json", &Packages::default(), &LoadOptions::default()).expect("a cell");
         t.tell("cell", cell.obstacles.iter().map(|o| o.pose).collect::<Vec<_>>());
         let robot = tell_robot(t, r, &text, "r.urdf", Some(&cell));
         let mut rows = String::from("time,j1,j2,j3,j4,j5,j6\n");

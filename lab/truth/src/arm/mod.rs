@@ -5,18 +5,18 @@ pub mod chain;
 pub mod motion;
 pub mod robot;
 
-use lin_canny_plan::{JointTree, World};
+use lin_canny_plan::{Cell, JointTree};
 
 /// Error of loading a cell or building an arm.
 pub type Trouble = Box<dyn std::error::Error>;
 
 /// Returns the arm and the world of the built-in cell.
-pub fn in_cell() -> Result<(JointTree, World), Trouble> {
-    let mut world = World::new();
-    let arm = robot::arm(&mut world)?;
+pub fn in_cell() -> Result<(JointTree, Cell), Trouble> {
+    let mut cell = Cell::new();
+    let arm = robot::arm(&mut cell)?;
     for (name, shape, pose) in cell::things(&[])? {
-        world.add_obstacle(name, shape, pose).expect("an obstacle");
+        cell.add_obstacle(name, shape, pose).expect("an obstacle");
     }
-    robot::exclude(&mut world, true)?;
-    Ok((arm, world))
+    robot::exclude(&mut cell, true)?;
+    Ok((arm, cell))
 }

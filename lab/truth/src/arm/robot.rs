@@ -4,7 +4,7 @@
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Joint, JointTree, PlanError, World};
+use lin_canny_plan::{Cell, Joint, JointTree, PlanError};
 
 use super::Trouble;
 
@@ -59,11 +59,11 @@ pub fn pieces() -> Result<Vec<(&'static str, usize, ConvexPolyhedron)>, Trouble>
 }
 
 /// Adds the bodies to the world and returns the space.
-pub fn arm(world: &mut World) -> Result<JointTree, Trouble> {
+pub fn arm(cell: &mut Cell) -> Result<JointTree, Trouble> {
     let pieces = pieces()?;
     let links = pieces.iter().map(|p| p.1).collect();
     for (name, _, shape) in pieces {
-        world.robot_body(name, shape);
+        cell.robot_body(name, shape);
     }
     let joint = |(height, axis, limit): (f64, Unit<Vector3<f64>>, f64)| {
         Joint::revolute(Isometry3::translation(0.0, 0.0, height), axis, [-limit, limit])
@@ -73,14 +73,14 @@ pub fn arm(world: &mut World) -> Result<JointTree, Trouble> {
 }
 
 /// Excludes links that one or two joints connect, and the base with the table below it.
-pub fn exclude(world: &mut World, has_table: bool) -> Result<(), PlanError> {
+pub fn exclude(cell: &mut Cell, has_table: bool) -> Result<(), PlanError> {
     for (k, name) in NAMES.iter().enumerate() {
         for other in NAMES.iter().skip(k + 1).take(2) {
-            world.exclude(name, other)?;
+            cell.exclude(name, other)?;
         }
     }
     if has_table {
-        world.exclude("base", "table")?;
+        cell.exclude("base", "table")?;
     }
     Ok(())
 }

@@ -17,7 +17,7 @@ const LIMITS: [f64; 2] = [-3.0, 3.0];
 const TIMES: [f64; 5] = [0.0, 0.2, 0.5, 0.9, 1.0];
 
 /// The arm among posts that follows the curves.
-static ARM: LazyLock<(JointTree, lin_canny_plan::World)> = LazyLock::new(|| chain(JOINTS, LIMITS).expect("an arm"));
+static ARM: LazyLock<(JointTree, lin_canny_plan::Cell)> = LazyLock::new(|| chain(JOINTS, LIMITS).expect("an arm"));
 
 /// Counts of the results.
 #[derive(Clone, Copy, Debug, Default)]
@@ -57,8 +57,8 @@ pub fn drive(bytes: &[u8]) -> Tally {
     };
     let elevated: Vec<_> = made.iter().flatten().map(JointCurve::elevated).collect();
     made.extend(elevated);
-    let (space, world) = ARM.clone();
-    let mut checker = Checker::new(space, world).expect("a world");
+    let (space, cell) = ARM.clone();
+    let mut checker = Checker::new(space, cell).expect("a world");
     for curve in made {
         tally.curves[usize::from(curve.is_err())] += 1;
         let Ok(curve) = curve else { continue };

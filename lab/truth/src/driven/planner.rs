@@ -12,8 +12,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, Unit, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, Compound, Geometry, HalfSpace, Mesh, PairTracker, Piece, RelativePose, Shape};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, PlanError, RangeAnswer,
-    RangeOptions, RangeProver, RangeVerdict, TimedPoses, TreeJoint, Verdict, World, WorldId, WorldPair,
+    Cell, CellBody, CellPair, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree,
+    PlanError, RangeAnswer, RangeOptions, RangeProver, RangeVerdict, TimedPoses, TreeJoint, Verdict,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -119,7 +119,7 @@ fn geometry(rng: &mut Rng, size: f64) -> Geometry {
 struct Excess {
     lower: f64,
     upper: f64,
-    pair: WorldPair,
+    pair: CellPair,
 }
 
 struct Play {
@@ -130,9 +130,9 @@ struct Play {
 }
 
 /// Returns a chain of two to four joints in any directions, each with a link.
-fn chain(rng: &mut Rng) -> (JointTree, World) {
+fn chain(rng: &mut Rng) -> (JointTree, Cell) {
     let count = 2 + rng.below(3);
-    let mut world = World::new();
+    let mut cell = Cell::new();
     let mut joints = Vec::new();
     for k in 0..count {
         let is_slide = rng.chance(0.25);
@@ -151,32 +151,29 @@ fn chain(rng: &mut Rng) -> (JointTree, World) {
                 offset: 0.0,
             }),
         });
-        world.robot_body(format!("link {k}"), geometry(rng, 0.25));
+        cell.robot_body(format!("link {k}"), geometry(rng, 0.25));
     }
     for k in 1..count {
-        world
-            .exclude(&format!("link {}", k - 1)[..], &format!("link {k}")[..])
+        cell.exclude(&format!("link {}", k - 1)[..], &format!("link {k}")[..])
             .expect("names");
     }
     let (limits, radii) = (vec![[-3.0, 3.0]; count], vec![0.5; count + 1]);
     let links = (1..=count).collect();
     let space = JointTree::new(Isometry3::identity(), joints, limits, links, radii).expect("a chain");
-    (space, world)
+    (space, cell)
 }
 
 impl Play {
     fn new(seed: u64) -> Result<Self, String> {
         let mut rng = Rng::new(seed);
-        let (space, mut world) = chain(&mut rng);
+        let (space, mut cell) = chain(&mut rng);
         for k in 0..1 + rng.below(3) {
-            world
-                .add_obstacle(format!("thing {k}"), geometry(&mut rng, 0.4), pose(&mut rng, 1.2))
+            cell.add_obstacle(format!("thing {k}"), geometry(&mut rng, 0.4), pose(&mut rng, 1.2))
                 .expect("an obstacle");
         }
         if rng.chance(0.3) {
             let floor = HalfSpace::new(Vector3::from(rng.unit()), -1.0).map_err(|e| e.to_string())?;
-            world
-                .add_obstacle("floor", floor, Isometry3::identity())
+            cell.add_obstacle("floor", floor, Isometry3::identity())
                 .expect("an obstacle");
         }
         let mut mix = Mix::default();
@@ -185,12 +182,11 @@ impl Play {
             let times = [CLOCK[0], rng.range(0.0, 0.4), rng.range(0.5, 1.0), CLOCK[1]];
             let rows = times.map(|_| pose(&mut rng, 1.2));
             let poses = TimedPoses::new(&times, &rows).map_err(told)?;
-            world
-                .add_moving_obstacle("cart", geometry(&mut rng, 0.3), poses)
+            cell.add_moving_obstacle("cart", geometry(&mut rng, 0.3), poses)
                 .expect("an obstacle");
             mix.worlds[1] = 1;
         }
-        let mut checker = Checker::new(space.clone(), world).map_err(told)?;
+        let mut checker = Checker::new(space.clone(), cell).map_err(told)?;
         checker.set_time(0.0).map_err(told)?;
         Ok(Self {
             rng,
@@ -202,7 +198,7 @@ impl Play {
 
     /// Returns a new checker of the world as it is now.
     fn fresh(&self, time: f64) -> Result<Checker<JointTree>, String> {
-        let mut fresh = Checker::new(self.space.clone(), self.checker.world().clone()).map_err(told)?;
+        let mut fresh = Checker::new(self.space.clone(), self.checker.cell().clone()).map_err(told)?;
         fresh.set_time(time).map_err(told)?;
         Ok(fresh)
     }
@@ -239,49 +235,49 @@ impl Play {
 
     fn change(&mut self) -> Result<(), String> {
         let rng = &mut self.rng;
-        let all: Vec<WorldId> = self.checker.world().bodies().map(|b| b.0).collect();
+        let all: Vec<CellBody> = self.checker.cell().bodies().map(|b| b.0).collect();
         let (id, link) = (*rng.pick(&all), format!("link {}", rng.below(2)));
         let name = format!("thing {}", rng.below(6));
         let checker = &mut self.checker;
         let is_done = match rng.below(9) {
             0 | 1 => checker
-                .world_mut()
+                .cell_mut()
                 .add_obstacle(&name, geometry(rng, 0.4), pose(rng, 1.2))
                 .is_ok(),
-            2 | 3 => checker.world_mut().move_obstacle(&name[..], pose(rng, 1.2)).is_ok(),
+            2 | 3 => checker.cell_mut().move_obstacle(&name[..], pose(rng, 1.2)).is_ok(),
             4 => checker
-                .world_mut()
+                .cell_mut()
                 .replace_obstacle(&name[..], geometry(rng, 0.4))
                 .is_ok(),
-            5 => checker.world_mut().remove_obstacle(&name[..]).is_ok(),
+            5 => checker.cell_mut().remove_obstacle(&name[..]).is_ok(),
             6 => checker
-                .world_mut()
+                .cell_mut()
                 .attach(&link, &name, geometry(rng, 0.15), pose(rng, 0.3), &[])
                 .is_ok(),
-            7 => checker.world_mut().detach(&name[..]).is_ok(),
-            _ => checker.world_mut().pad(id, *rng.pick(&[0.0, 0.01, 0.1])).is_ok(),
+            7 => checker.cell_mut().detach(&name[..]).is_ok(),
+            _ => checker.cell_mut().pad(id, *rng.pick(&[0.0, 0.01, 0.1])).is_ok(),
         };
         self.mix.changes[usize::from(!is_done)] += 1;
         Ok(())
     }
 
     /// Returns the pairs that are measured: not those that keep their pose relative to each other.
-    fn pairs(&self) -> Vec<WorldPair> {
-        let world = self.checker.world();
-        let carrier = |id: WorldId| match id {
-            WorldId::Attached(_) => {
-                let held = world.attached().find(|held| held.0 == id);
+    fn pairs(&self) -> Vec<CellPair> {
+        let cell = self.checker.cell();
+        let carrier = |id: CellBody| match id {
+            CellBody::Attached(_) => {
+                let held = cell.attached().find(|held| held.0 == id);
                 held.map(|held| held.1.link.clone()).unwrap_or_default()
             }
-            _ => world.name(id).to_owned(),
+            _ => cell.name(id).to_owned(),
         };
-        let excluded: Vec<[WorldId; 2]> = world.excluded().collect();
-        let all: Vec<WorldId> = world.bodies().map(|b| b.0).collect();
+        let excluded: Vec<[CellBody; 2]> = cell.excluded().collect();
+        let all: Vec<CellBody> = cell.bodies().map(|b| b.0).collect();
         let mut found = Vec::new();
         for (k, x) in all.iter().enumerate() {
             for y in &all[k + 1..] {
-                let Some(pair) = WorldPair::new(*x, *y) else { continue };
-                let is_rigid = !matches!(pair.b, WorldId::Obstacle(_)) && carrier(pair.a) == carrier(pair.b);
+                let Some(pair) = CellPair::new(*x, *y) else { continue };
+                let is_rigid = !matches!(pair.b, CellBody::Obstacle(_)) && carrier(pair.a) == carrier(pair.b);
                 let is_excluded = excluded.contains(&[pair.a, pair.b]) || excluded.contains(&[pair.b, pair.a]);
                 if !is_rigid && !is_excluded {
                     found.push(pair);
@@ -292,16 +288,16 @@ impl Play {
     }
 
     /// Measures a pair at a configuration, at the poses of a checker.
-    fn excess(&self, judge: &Checker<JointTree>, pair: WorldPair, q: &[f64]) -> Result<Excess, String> {
-        let world = self.checker.world();
-        let shape = |id| world.geometry(id).ok_or_else(|| format!("{id:?} has no geometry"));
+    fn excess(&self, judge: &Checker<JointTree>, pair: CellPair, q: &[f64]) -> Result<Excess, String> {
+        let cell = self.checker.cell();
+        let shape = |id| cell.geometry(id).ok_or_else(|| format!("{id:?} has no geometry"));
         let (x, y) = (
             judge.pose(pair.a, q).map_err(told)?,
             judge.pose(pair.b, q).map_err(told)?,
         );
         let pose = RelativePose::new(&x, &y).map_err(|e| e.to_string())?;
         let found = PairTracker::new().closest(shape(pair.a)?, shape(pair.b)?, &pose);
-        let kept = world.kept_distance(pair);
+        let kept = cell.kept_distance(pair);
         Ok(Excess {
             lower: found.lower - kept,
             upper: found.upper - kept,
@@ -329,7 +325,7 @@ impl Play {
         }
         self.mix.configurations[usize::from(!is_free)] += 1;
         // Margins and paddings do not change the distance.
-        let kept = |pair| self.checker.world().kept_distance(pair);
+        let kept = |pair| self.checker.cell().kept_distance(pair);
         let apart: Vec<[f64; 2]> = all
             .iter()
             .map(|e| [e.lower + kept(e.pair), e.upper + kept(e.pair)])
@@ -424,7 +420,7 @@ impl Play {
         for k in 0..=8 {
             let (q, clock) = at(self, f64::from(k) / 8.0);
             for e in self.excesses(clock, &q)? {
-                let upper = e.upper + self.checker.world().kept_distance(e.pair);
+                let upper = e.upper + self.checker.cell().kept_distance(e.pair);
                 if upper.max(0.0) < along.lower - TIE {
                     return Err(format!("{along:?} but {e:?} at {q:?}"));
                 }
@@ -472,7 +468,7 @@ impl Play {
             _ => 3,
         };
         self.mix.ranges[which] += 1;
-        let kept = self.checker.world().kept_distance(pair);
+        let kept = self.checker.cell().kept_distance(pair);
         for _ in 0..8 {
             let ends = low.iter().zip(high);
             let q: Vec<f64> = ends.map(|(a, b)| self.rng.range(*a, *b).clamp(*a, *b)).collect();

@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 use lin_canny::scene::Scene;
 use lin_canny::{Geometry, PairTracker, QueryOptions, RelativePose, Replay};
 use lin_canny_formats::{Grid, Invalid, MeshFile, PointFile};
-use lin_canny_plan::{ConfigurationSpace, JointCurve, RangeAnswer, World};
+use lin_canny_plan::{Cell, ConfigurationSpace, JointCurve, RangeAnswer};
 use lin_canny_robot::record::{Cursor, Recording};
-use lin_canny_robot::{Cell, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory, csv_text};
+use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory, csv_text};
 use nalgebra::Isometry3;
 pub use peak_alloc::PeakAlloc;
 
@@ -220,7 +220,7 @@ pub fn stored(data: &[u8]) {
             }
         }
         b'w' => {
-            again::<World>(text);
+            again::<Cell>(text);
         }
         b'a' => {
             again::<RangeAnswer>(text);
@@ -312,7 +312,7 @@ fn srdf(text: &str) {
 
 fn cell(text: &str) {
     let options = LoadOptions::default();
-    let Some(cell) = parsed(text, || Cell::parse(text, FILE, &Packages::default(), &options)) else {
+    let Some(cell) = parsed(text, || CellFile::parse(text, FILE, &Packages::default(), &options)) else {
         return;
     };
     let mut setup = Setup::new();
@@ -320,8 +320,10 @@ fn cell(text: &str) {
     setup.cell(&cell);
     // Poses and names may be out of range, which is an error.
     let Ok(checker) = setup.checker() else { return };
-    let saved = Cell::from_world(checker.world()).to_json().expect("a world is written");
-    let again = Cell::parse(&saved, FILE, &Packages::default(), &options).expect("what was written is read");
+    let saved = CellFile::from_world(checker.cell())
+        .to_json()
+        .expect("a world is written");
+    let again = CellFile::parse(&saved, FILE, &Packages::default(), &options).expect("what was written is read");
     assert_eq!(again.to_json().expect("a cell is written"), saved);
 }
 

@@ -275,17 +275,17 @@ pub(crate) fn run(options: &Options) -> Rows {
 
 /// Returns the nanoseconds of a new cloud in the cell of an arm, up to the clearance.
 fn replace(points: &[[f32; 3]]) -> f64 {
-    let (space, world) = arm_in_cell().expect("the arm");
-    let mut checker = Checker::new(space, world).expect("a world");
+    let (space, cell) = arm_in_cell().expect("the arm");
+    let mut checker = Checker::new(space, cell).expect("a world");
     let aside = Isometry3::translation(2.0, 0.0, 0.0);
     checker
-        .world_mut()
+        .cell_mut()
         .add_obstacle("scan", cloud(points), aside)
         .expect("an obstacle");
     let q = [0.3, 0.2, 0.4, 0.1, 0.2, 0.0];
     time(10, |_| {
         checker
-            .world_mut()
+            .cell_mut()
             .replace_obstacle("scan", cloud(points))
             .expect("the obstacle");
         black_box(checker.clearance(&q).expect("a configuration"));

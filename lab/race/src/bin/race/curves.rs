@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_plan::{
-    Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, TreeJoint, Verdict, World,
+    Cell, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, TreeJoint, Verdict,
 };
 use lin_canny_robot::{ExcludeReason, RobotFiles, find_excludable};
 use race::common::{Options, Rows, median};
@@ -117,36 +117,36 @@ fn arm_joints(base: usize, first: usize) -> impl Iterator<Item = TreeJoint> {
 }
 
 /// Two six-axis arms side by side, as one robot of twelve joints, without other obstacles.
-fn two_arms() -> Result<(JointTree, World), Trouble> {
-    let mut world = World::new();
+fn two_arms() -> Result<(JointTree, Cell), Trouble> {
+    let mut cell = Cell::new();
     let (mut joints, mut links) = (Vec::new(), Vec::new());
     for (side, x) in [("left", -0.35), ("right", 0.35)] {
         let base = joints.len() + 1;
         joints.push(TreeJoint::fixed(0, Isometry3::translation(x, 0.0, 0.0)));
         joints.extend(arm_joints(base, 6 * (base / 7)));
         for (name, link, shape) in robot::pieces()? {
-            world.robot_body(format!("{side} {name}"), shape);
+            cell.robot_body(format!("{side} {name}"), shape);
             links.push(base + link);
         }
         for (k, name) in robot::NAMES.iter().enumerate() {
             for other in robot::NAMES.iter().skip(k + 1).take(2) {
-                world.exclude(&format!("{side} {name}"), &format!("{side} {other}"))?;
+                cell.exclude(&format!("{side} {name}"), &format!("{side} {other}"))?;
             }
         }
     }
     let radii = vec![0.15; joints.len() + 1];
     let space = JointTree::new(Isometry3::identity(), joints, vec![[-LIMIT, LIMIT]; 12], links, radii)?;
-    Ok((space, world))
+    Ok((space, cell))
 }
 
 /// The arm of the example `arm` in its cell.
-pub(crate) fn arm_in_cell() -> Result<(JointTree, World), Trouble> {
-    let (_, world) = arm::in_cell()?;
+pub(crate) fn arm_in_cell() -> Result<(JointTree, Cell), Trouble> {
+    let (_, cell) = arm::in_cell()?;
     let links = robot::pieces()?.iter().map(|piece| piece.1).collect();
     let joints = arm_joints(0, 0).collect();
     let radii = vec![0.15; 7];
     let space = JointTree::new(Isometry3::identity(), joints, vec![[-LIMIT, LIMIT]; 6], links, radii)?;
-    Ok((space, world))
+    Ok((space, cell))
 }
 
 /// A curve with its verdict.
@@ -206,7 +206,7 @@ fn middle(mut times: Vec<f64>) -> f64 {
 }
 
 /// Loads a robot, with posts around it.
-fn from_file(robot: PathBuf, srdf: Option<PathBuf>, posts: Option<f64>) -> Result<(JointTree, World), Trouble> {
+fn from_file(robot: PathBuf, srdf: Option<PathBuf>, posts: Option<f64>) -> Result<(JointTree, Cell), Trouble> {
     let mut files = RobotFiles::new(robot);
     files.srdf = srdf;
     let mut setup = files.load()?.1;
@@ -216,11 +216,11 @@ fn from_file(robot: PathBuf, srdf: Option<PathBuf>, posts: Option<f64>) -> Resul
         setup.exclude_counts(&counts);
     }
     let checker = setup.checker()?;
-    let mut world = checker.world().clone();
+    let mut cell = checker.cell().clone();
     if let Some(posts) = posts {
-        truth::arm::chain::posts(&mut world, posts)?;
+        truth::arm::chain::posts(&mut cell, posts)?;
     }
-    Ok((checker.space().clone(), world))
+    Ok((checker.space().clone(), cell))
 }
 
 /// Returns the length of the path of the body that moves farthest along a curve.
@@ -265,8 +265,8 @@ pub(crate) fn run(o: &Options, data: Option<&Path>) -> Result<Rows, String> {
     println!("median us of free curves, queries of one on average; curves that `bisect` wrongly reports free");
     println!("  robot      degree  free  ours  queries  straight  queries  bisect  wrong  ours/m  bisect/m");
     for (name, robot, draw) in robots {
-        let (space, world) = robot.map_err(|error| format!("robot {name}: {error}"))?;
-        let mut checker = Checker::new(space, world).map_err(|error| format!("robot {name}: {error}"))?;
+        let (space, cell) = robot.map_err(|error| format!("robot {name}: {error}"))?;
+        let mut checker = Checker::new(space, cell).map_err(|error| format!("robot {name}: {error}"))?;
         for degree in DEGREES {
             certify(o, (name, degree), draw, &mut checker, &mut rows);
         }

@@ -16,7 +16,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{BoxHint, RelativePose, Tracker};
 use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, PlanMethod, PlanOptions, RigidSpace, Verdict};
 use race::progress::Progress;
-use truth::cells::Cell;
+use truth::cells::ArmCell;
 use truth::rng::Rng;
 use truth::rooms::Room;
 
@@ -123,7 +123,7 @@ fn segments(room: &Room, checker: &mut Checker<RigidSpace>, count: u64) -> Vec<S
 
 fn room(o: &Options, scene: &str, n: usize, rows: &mut Rows) {
     let room = Room::new(n, 1);
-    let mut checker = Checker::new(room.space(), room.world()).expect("a room");
+    let mut checker = Checker::new(room.space(), room.cell()).expect("a room");
     let segments = segments(&room, &mut checker, if o.quick { 400 } else { 10_000 });
     let free: Vec<&Segment> = segments.iter().filter(|s| s.is_free).collect();
     let passes = if o.quick { 2 } else { 3 };
@@ -217,7 +217,7 @@ fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seed
     let room: &'static Room = Box::leak(Box::new(room));
     let [start, goal] = &ends;
     for seed in 0..seeds {
-        let fresh = || Checker::new(space.clone(), room.world()).expect("a room");
+        let fresh = || Checker::new(space.clone(), room.cell()).expect("a room");
         for (method, searches) in PlanMethod::ALL.into_iter().zip(&mut searches) {
             let mut checker = fresh();
             let options = PlanOptions::default().seed(seed);
@@ -279,11 +279,11 @@ fn searches(o: &Options, progress: &Progress, rows: &mut Rows) {
 /// `ours` uses [`Checker::is_free_at`], `is-free` uses segments of one configuration. `n` is the
 /// number of triangles of the arm.
 fn is_free_at(o: &Options, rows: &mut Rows) {
-    let cell = Cell::new(84);
+    let cell = ArmCell::new(84);
     let n = cell.links.iter().map(|l| l.triangles.len()).sum();
     let mut rng = Rng::of_case(23, 0);
     let samples: Vec<Vec<f64>> = (0..if o.quick { 400 } else { 4_000 })
-        .map(|_| Cell::sample(&mut rng))
+        .map(|_| ArmCell::sample(&mut rng))
         .collect();
     let mut free = Vec::new();
     println!(
@@ -291,7 +291,7 @@ fn is_free_at(o: &Options, rows: &mut Rows) {
         "", "free", "us", "pairs", "ns a pair"
     );
     for engine in ["ours", "is-free"] {
-        let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
+        let mut checker = Checker::new(cell.arm(), cell.cell()).expect("a cell");
         let is_ours = engine == "ours";
         let mut ask = |q: &Vec<f64>| match is_ours {
             true => checker.is_free_at(q).expect("a configuration"),

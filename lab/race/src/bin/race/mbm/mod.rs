@@ -21,7 +21,7 @@ use std::path::Path;
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree, PlanMethod, PlanOptions, Shortcuts};
-use lin_canny_robot::{Cell, LoadOptions, MeshUse, Packages, Robot, Setup, Srdf};
+use lin_canny_robot::{CellFile, LoadOptions, MeshUse, Packages, Robot, Setup, Srdf};
 use race::common::Options;
 use race::progress::Progress;
 
@@ -137,7 +137,7 @@ impl Bench {
 
     fn checker(&self, problem: &Problem) -> Result<Checker<JointTree>, String> {
         let mut setup = self.setup.clone();
-        let cell = Cell::parse(&problem.cell, "cell.json", &self.packages, &self.options);
+        let cell = CellFile::parse(&problem.cell, "cell.json", &self.packages, &self.options);
         setup.cell(&cell.map_err(|e| e.to_string())?);
         setup.checker().map_err(|e| e.to_string())
     }
