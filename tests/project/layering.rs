@@ -659,7 +659,7 @@ const PACKAGES: &[(&str, &[&str])] = &[
         &[
             "extremes tolerance random fingerprint names error",
             "motion: curve timed_poses joint space carried tube joint_motion tree_motion tree rigid mod",
-            "cell: attached_object mesh_hull range_body mod excluded_pairs margins_and_paddings",
+            "cell: attached_object mesh_hull range_body robot_model mod excluded_pairs margins_and_paddings robots",
             "check: apart body_boxes pairs swept_boxes verdict checker certify hulls free clearance tube changes batch mod",
             "range: verdict chain bound search contact parts prover mod pair_boxes",
             "search: ascent freeway roadmap shorten options opportunistic rrt_connect plan speeds smooth mod",
@@ -680,7 +680,7 @@ const PACKAGES: &[(&str, &[&str])] = &[
             "sdformat: frames values shape model include mod",
             "load",
             // Robots in a cell.
-            "space files excludable audit recorder",
+            "files excludable audit recorder",
             "cover hulls",
             "tool: end text options receipt pair_boxes film drawing audit_page grid audit cell certify \
              clearance cover ignorable plan points smooth verify mod",

@@ -525,7 +525,7 @@ fn checkers(library: &Library) -> u32 {
     let mut files = RobotFiles::new(path("six_axis.urdf"));
     files.srdf = Some(path("six_axis.srdf").into());
     files.cell = Some(path("six_axis_cell.json").into());
-    let mut rust = files.load().expect("a robot").1.checker().expect("a checker");
+    let mut rust = lin_canny_plan::Checker::of_robots(files.load().expect("a robot").cell).expect("a checker");
     let texts = ["six_axis.urdf", "six_axis.srdf", "six_axis_cell.json"]
         .map(|file| std::ffi::CString::new(path(file)).expect("a path"));
     let [robot, srdf, cell] = texts.each_ref().map(|text| text.as_ptr());

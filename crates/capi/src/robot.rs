@@ -2,6 +2,7 @@
 
 use std::ffi::c_char;
 
+use lin_canny_plan::Checker;
 use lin_canny_robot::{LoadOptions, MeshUse, Packages, RobotFiles};
 
 use crate::border::{guarded, lc_status, refused};
@@ -86,9 +87,9 @@ pub unsafe extern "C" fn lc_checker_load(
         files.options = LoadOptions::default()
             .meshes(usage)
             .skip_missing_meshes(given.flags & LC_SKIP_MISSING_MESHES != 0);
-        let (_, setup) = files.load().map_err(refused)?;
-        let checker = setup.checker().map_err(refused)?;
-        let names = setup.coordinates().iter().map(|c| c.name.clone()).collect();
+        let cell = files.load().map_err(refused)?.cell;
+        let names = cell.coordinates().iter().map(|c| c.name.clone()).collect();
+        let checker = Checker::of_robots(cell).map_err(refused)?;
         give(out, AnyChecker::Tree(checker), names)
     })
 }

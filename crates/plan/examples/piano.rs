@@ -81,7 +81,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
         cell.robot_body("piano", block(piece)?);
     }
     for flat in &walls {
-        cell.add_obstacle("wall", block(*flat)?, Isometry3::identity())?;
+        cell.add_obstacle(cell.free_name("wall"), block(*flat)?, Isometry3::identity())?;
     }
     let space = PlanarSpace::new(ROOM.map(|half| [-half, half]), 0.7, PIECES.len())?;
     let mut checker = Checker::new(space, cell)?;

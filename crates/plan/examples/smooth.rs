@@ -51,7 +51,7 @@ fn run(options: &Options) -> Result<(), Box<dyn Error>> {
     cell.robot_body("plank", solids::cuboid(Vector3::new(PLANK[0], PLANK[1], 0.1))?);
     for [[x, y], [a, b]] in WALLS {
         let wall = solids::cuboid(Vector3::new(a, b, 0.1))?;
-        cell.add_obstacle("wall", wall, Isometry3::translation(x, y, 0.0))?;
+        cell.add_obstacle(cell.free_name("wall"), wall, Isometry3::translation(x, y, 0.0))?;
     }
     let space = PlanarSpace::new([[-1.4, 1.4], [-0.95, 0.95]], 0.25, 1)?;
     let mut checker = Checker::new(space, cell)?;

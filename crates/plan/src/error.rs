@@ -156,6 +156,14 @@ pub enum PlanError {
         /// The nearest name that exists, if one is near.
         near: Option<std::boxed::Box<str>>,
     },
+    /// Returned if a body or a link has this name already.
+    #[error("{kind} {name:?}: the name is taken (expected another one)")]
+    NameTaken {
+        /// What was to be added: `link`, `joint`, `obstacle` or `object`.
+        kind: &'static str,
+        /// The name.
+        name: String,
+    },
     /// Returned if a pair names a link that has no bodies, and thus no pairs.
     #[error("link {0:?} has no bodies, so it has no pairs")]
     WithoutBodies(String),

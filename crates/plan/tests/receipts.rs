@@ -403,8 +403,12 @@ fn bodies_that_move_as_one_have_receipts() {
         cell.robot_body("ball", Shape::ball(0.15).expect("a ball"));
         let block = solids::cuboid(Vector3::new(0.2, 1.0, 2.0)).expect("a box");
         for y in [1.3, -1.3] {
-            cell.add_obstacle("wall", block.clone(), Isometry3::translation(0.0, y, 0.0))
-                .expect("an obstacle");
+            cell.add_obstacle(
+                cell.free_name("wall"),
+                block.clone(),
+                Isometry3::translation(0.0, y, 0.0),
+            )
+            .expect("an obstacle");
         }
         cell.add_obstacle(
             "knob",

@@ -26,7 +26,7 @@ use lin_canny_robot::plan::{
     Cell, Checker as Loaded, ConfigurationSpace, JointMotion, JointTree, Path, PlanError, PlanMethod, PlanOptions,
     Shortcuts,
 };
-use lin_canny_robot::{CellFile, Coordinate, Setup};
+use lin_canny_robot::{CellFile, Coordinate, Skipped};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
@@ -80,7 +80,7 @@ const CONFIGURATIONS: Argument = Argument {
 ///     See the attribute.
 #[pyclass(module = "lin_canny")]
 pub(crate) struct Checker {
-    setup: Setup,
+    skipped: Vec<String>,
     /// In a box: it is aligned to cache lines, and objects of Python are not.
     pub(crate) checker: Box<Loaded<JointTree>>,
     /// The arguments, for pickling.
@@ -113,14 +113,18 @@ impl Checker {
         options.set_item("keep_invalid", keep_invalid)?;
         options.set_item("exclude_adjacent", exclude_adjacent)?;
         let robot_object = robot.object().clone();
-        let mut setup = setup::of_robots(&robot, pose, exclude_adjacent)?;
-        setup::add_cell(&mut setup, &robot, cell, keep_invalid)?;
-        setup::add_obstacles(&mut setup, obstacles.unwrap_or_default())?;
+        let (mut made, mut skipped) = setup::of_robots(&robot, pose, exclude_adjacent)?;
+        skipped.extend(setup::add_cell(&mut made, &robot, cell, keep_invalid)?);
+        setup::add_obstacles(&mut made, obstacles.unwrap_or_default())?;
         for (a, b) in exclude.unwrap_or_default() {
-            setup.exclude(&a, &b);
+            match made.exclude(&a, &b) {
+                // A link without bodies has no pairs.
+                Ok(_) | Err(PlanError::WithoutBodies(_)) => {}
+                Err(error) => return Err(plan_error(error)),
+            }
         }
         let arguments = (PyTuple::new(py, [robot_object])?.unbind(), options.unbind());
-        let mut checker = Self::of_setup(setup, arguments)?;
+        let mut checker = Self::of_cell(made, &skipped, arguments)?;
         if let Some(margin) = margin {
             checker.set_margin(margin)?;
         }
@@ -128,7 +132,7 @@ impl Checker {
         Ok(checker)
     }
 
-    /// The robots and the cell; the world is in the state.
+    /// The robots and the file of the cell; the cell as it is now is in the state.
     fn __getnewargs_ex__(&self, py: Python<'_>) -> (Py<PyTuple>, Py<PyDict>) {
         (self.arguments.0.clone_ref(py), self.arguments.1.clone_ref(py))
     }
@@ -152,26 +156,31 @@ impl Checker {
     /// Bodies keep their order; those that were removed have no id in it. The file does not hold
     /// `start_contact_margin`. Raises FileError if the file cannot be written.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let cell = CellFile::from_world(self.checker.cell());
+        let cell = CellFile::from_cell(self.checker.cell());
         py.detach(|| cell.save(path)).map_err(file_error)
     }
 
     /// The names of the coordinates of a configuration.
     #[getter]
     fn coordinates(&self) -> Vec<&str> {
-        self.setup.coordinates().iter().map(|c| c.name.as_str()).collect()
+        self.checker
+            .cell()
+            .coordinates()
+            .iter()
+            .map(|c| c.name.as_str())
+            .collect()
     }
 
     /// The number of coordinates of a configuration.
     #[getter]
     fn dof(&self) -> usize {
-        self.setup.coordinates().len()
+        self.checker.cell().coordinates().len()
     }
 
     /// Least and greatest value of each coordinate, shape (dof, 2).
     #[getter]
     fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let limits: Vec<[f64; 2]> = self.setup.coordinates().iter().map(|c| c.limits).collect();
+        let limits: Vec<[f64; 2]> = self.checker.cell().coordinates().iter().map(|c| c.limits).collect();
         PyArray1::from_vec(py, limits.into_flattened()).reshape([self.dof(), 2])
     }
 
@@ -185,7 +194,7 @@ impl Checker {
     /// What the files of the robots have and this checker does not use: see `Robot.skipped`.
     #[getter]
     fn skipped(&self) -> Vec<String> {
-        self.setup.skipped().iter().map(ToString::to_string).collect()
+        self.skipped.clone()
     }
 
     /// The distance that pairs without a margin of their own must keep to be free, a length.
@@ -398,10 +407,10 @@ impl Checker {
 }
 
 impl Checker {
-    fn of_setup(setup: Setup, arguments: (Py<PyTuple>, Py<PyDict>)) -> PyResult<Self> {
-        let checker = Box::new(setup.checker().map_err(plan_error)?);
+    fn of_cell(cell: Cell, skipped: &[Skipped], arguments: (Py<PyTuple>, Py<PyDict>)) -> PyResult<Self> {
+        let checker = Box::new(Loaded::of_robots(cell).map_err(plan_error)?);
         Ok(Self {
-            setup,
+            skipped: skipped.iter().map(ToString::to_string).collect(),
             checker,
             arguments,
         })
@@ -409,7 +418,7 @@ impl Checker {
 
     /// Returns the error of a call, with the name of the joint that is out of bounds.
     fn fault(&self, error: &PlanError) -> PyErr {
-        plan_error(named(error, self.setup.coordinates()))
+        plan_error(named(error, self.checker.cell().coordinates()))
     }
 
     /// Returns a new checker of the same world, with the same boxes of pairs.
@@ -420,9 +429,9 @@ impl Checker {
     /// Returns the checker of a robot without obstacles.
     pub(crate) fn alone(robot: &Bound<'_, Robot>) -> PyResult<Self> {
         let py = robot.py();
-        let setup = setup::of_robots(&RobotArgument::One(robot.clone()), None, true)?;
+        let (cell, skipped) = setup::of_robots(&RobotArgument::One(robot.clone()), None, true)?;
         let arguments = (PyTuple::new(py, [robot])?.unbind(), PyDict::new(py).unbind());
-        Self::of_setup(setup, arguments)
+        Self::of_cell(cell, &skipped, arguments)
     }
 
     /// Returns the configurations of a path.

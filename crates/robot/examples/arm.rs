@@ -9,9 +9,9 @@ use lin_canny::ConvexPolyhedron;
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny_robot::plan::{
-    Checker, ConfigurationSpace, JointMotion, JointTree, PlanOptions, RrtConnect, Shortcuts, widen,
+    Cell, Checker, ConfigurationSpace, JointMotion, JointTree, PlanOptions, RrtConnect, Shortcuts, widen,
 };
-use lin_canny_robot::{LoadOptions, Packages, Robot, Setup};
+use lin_canny_robot::{LoadOptions, Packages, Robot};
 use race::plot::Chart;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -54,20 +54,20 @@ fn run(options: &Options) -> Result<(), Trouble> {
     let things = cell::things(&options.cell)?;
     let (text, load) = (include_str!("arm.urdf"), LoadOptions::default());
     let arm = Robot::parse(text, "arm.urdf", &Packages::default(), &load)?;
-    let mut setup = Setup::new();
-    setup.robot("", &arm, Isometry3::identity());
+    let mut setup = Cell::new();
+    setup.add_robot("", &arm, Isometry3::identity())?;
     setup.exclude_adjacent();
     for (name, shape, pose) in &things {
-        setup.obstacle(name, shape.clone(), *pose);
+        setup.add_obstacle(name, shape.clone(), *pose)?;
     }
     // The arm is mounted on the table, and its slender links extend over the next link but one.
     if things.iter().any(|thing| thing.0 == "table") {
-        setup.exclude("base", "table");
+        setup.exclude("base", "table")?;
     }
     for pair in arm.links().windows(3) {
-        setup.exclude(&pair[0].name, &pair[2].name);
+        setup.exclude(&pair[0].name, &pair[2].name)?;
     }
-    let mut checker = setup.checker()?;
+    let mut checker = Checker::of_robots(setup.clone())?;
     let [start, goal] = BINS.map(motion::carry);
     let search = PlanOptions::default().seed(options.seed).unlimited();
     let began = Instant::now();

@@ -11,8 +11,8 @@ use std::process::ExitCode;
 use clap::Parser;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, NearPair};
-use lin_canny_robot::{LoadOptions, Packages, Robot, Setup};
+use lin_canny_robot::plan::{Cell, Checker, ConfigurationSpace, JointTree, NearPair};
+use lin_canny_robot::{LoadOptions, Packages, Robot};
 use race::plot::Chart;
 use race::progress::Progress;
 use truth::arm::{Trouble, cell, motion};
@@ -45,26 +45,26 @@ struct Options {
 
 /// The checker of the robot in its cell, without the pairs that share a point at a configuration.
 fn checker(robot: &Robot, things: &[cell::Thing], start: &[f64]) -> Result<Checker<JointTree>, Trouble> {
-    let mut setup = Setup::new();
-    setup.robot("", robot, Isometry3::identity());
+    let mut setup = Cell::new();
+    setup.add_robot("", robot, Isometry3::identity())?;
     setup.exclude_adjacent();
     for (name, shape, pose) in things {
-        setup.obstacle(name, shape.clone(), *pose);
+        setup.add_obstacle(name, shape.clone(), *pose)?;
     }
     // Slender links reach over the next but one.
     for joint in robot.joints() {
         for next in robot.joints().iter().filter(|next| next.parent == joint.child) {
-            setup.exclude(&robot.links()[joint.parent].name, &robot.links()[next.child].name);
+            setup.exclude(&robot.links()[joint.parent].name, &robot.links()[next.child].name)?;
         }
     }
-    let mut all = setup.checker()?;
+    let mut all = Checker::of_robots(setup.clone())?;
     for near in all.nearest(start, f64::INFINITY)? {
         if near.lower <= 0.0 {
             println!("ignored, in contact from the start: {}", name(&all, &near));
-            setup.exclude(all.name(near.pair.a), all.name(near.pair.b));
+            setup.exclude(all.name(near.pair.a), all.name(near.pair.b))?;
         }
     }
-    Ok(setup.checker()?)
+    Ok(Checker::of_robots(setup.clone())?)
 }
 
 fn name(checker: &Checker<JointTree>, near: &NearPair) -> String {

@@ -8,8 +8,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_robot::plan::{JointCurve, JointMotion, TimedPoses, Verdict};
-use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Setup, Trajectory};
+use lin_canny_robot::plan::{Cell, Checker, JointCurve, JointMotion, TimedPoses, Verdict};
+use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Trajectory};
 
 /// A message `JointTrajectory`: up beside the fence, over it, and down on the other side.
 const TRAJECTORY: &str = "
@@ -36,11 +36,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (packages, options) = (Packages::default(), LoadOptions::default());
     let arm = Robot::parse(include_str!("arm.urdf"), "arm.urdf", &packages, &options)?;
     let cell = CellFile::parse(include_str!("cell.json"), "cell.json", &packages, &options)?;
-    let mut setup = Setup::new();
-    setup.robot("", &arm, Isometry3::identity());
+    let mut setup = Cell::new();
+    setup.add_robot("", &arm, Isometry3::identity())?;
     setup.exclude_adjacent();
-    setup.cell(&cell);
-    let mut checker = setup.checker()?;
+    cell.add_to(&mut setup)?;
+    let mut checker = Checker::of_robots(setup.clone())?;
 
     let trajectory = Trajectory::parse_timed(TRAJECTORY, "carry.yaml", arm.coordinates(), &[])?;
     let (Some(from), Some(to)) = (trajectory.rows.first(), trajectory.rows.last()) else {

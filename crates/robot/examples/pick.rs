@@ -16,7 +16,7 @@ use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, Progress, Shape}
 use lin_canny_robot::plan::{
     Checker, ConfigurationSpace, JointMotion, JointTree, NearPair, PlanOptions, RrtConnect, Shortcuts, Verdict, widen,
 };
-use lin_canny_robot::{RobotFiles, RobotRecorder, record};
+use lin_canny_robot::{LoadedCell, RobotFiles, RobotRecorder, record};
 use truth::arm::Trouble;
 use truth::command::{count, file};
 use truth::rng::Rng;
@@ -143,10 +143,10 @@ fn cell(hood: Cloud) -> Result<Checker<JointTree>, Trouble> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
     let mut files = RobotFiles::new(format!("{folder}/six_axis.urdf"));
     files.srdf = Some(format!("{folder}/six_axis.srdf").into());
-    let (_, mut setup) = files.load()?;
+    let LoadedCell { cell: mut setup, .. } = files.load()?;
     let mut block = |name: &str, [x, y, z]: [f64; 3], at: [f64; 3]| -> Result<(), Trouble> {
         let body = solids::cuboid(Vector3::new(x, y, z) * 0.5)?;
-        setup.obstacle(name, body, Isometry3::translation(at[0], at[1], at[2]));
+        setup.add_obstacle(name, body, Isometry3::translation(at[0], at[1], at[2]))?;
         Ok(())
     };
     block("table", [0.5, 1.2, 0.04], [0.65, 0.0, 0.28])?;
@@ -157,16 +157,16 @@ fn cell(hood: Cloud) -> Result<Checker<JointTree>, Trouble> {
         block("tray", [0.22, 0.01, 0.05], [x, y + side, bottom + 0.025])?;
     }
     block("part", PART.map(|half| 2.0 * half), [x, y, bottom + PART[2]])?;
-    setup.obstacle(
+    setup.add_obstacle(
         "post",
         Shape::cylinder(0.22, 0.025)?,
         Isometry3::translation(0.66, 0.0, 0.52),
-    );
-    setup.obstacle("floor", HalfSpace::new(Vector3::z(), 0.0)?, Isometry3::identity());
-    setup.obstacle("hood", Geometry::from(hood), Isometry3::identity());
+    )?;
+    setup.add_obstacle("floor", HalfSpace::new(Vector3::z(), 0.0)?, Isometry3::identity())?;
+    setup.add_obstacle("hood", Geometry::from(hood), Isometry3::identity())?;
     // The arm is mounted on the floor.
-    setup.exclude("base", "floor");
-    Ok(setup.checker()?)
+    setup.exclude("base", "floor")?;
+    Ok(Checker::of_robots(setup.clone())?)
 }
 
 /// Points on the surface of a hood over the tray, with noise, as a depth camera measures them.

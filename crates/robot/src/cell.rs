@@ -1,10 +1,11 @@
 //! Cells: obstacles that a JSON or SDFormat file defines.
 
-use std::path::Path;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_plan::TimedPoses;
+use lin_canny_plan::{Cell, CellBody, CellPair, PlanError, TimedPoses};
 
 use crate::cell_body::{AttachedBody, BodyText, parse_json};
 use crate::error::{FileError, FileErrorKind, Skipped};
@@ -16,7 +17,7 @@ use crate::text::check_content;
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Obstacle {
-    /// Name; several obstacles may have the same name.
+    /// Name. In a cell, the second of several obstacles of one name is `name#2`.
     pub name: String,
     /// Geometry, in the frame of the obstacle.
     pub geometry: Geometry,
@@ -122,13 +123,13 @@ impl From<NameText> for BodyName {
 /// |---|---|
 /// | `attached` | objects: `{"link": "hand", "body": {...}}`, with the pose in the frame of the link and `touch_links` in the body |
 /// | `margin` | the distance that all pairs must keep |
-/// | `paddings` | `[name, length]`: see [`Setup::pad`](crate::Setup::pad) |
+/// | `paddings` | `[name, length]`: see [`Cell::pad`] |
 /// | `margins` | `[name, name, length]`: the explicit margin of pairs |
-/// | `exclude` | `[name, name]`: pairs that are excluded, in addition to those of the setup |
+/// | `exclude` | `[name, name]`: pairs that are excluded, in addition to those of the cell |
 /// | `exclude_exactly` | `[name, name]`: the pairs that are excluded; no others are |
 ///
 /// A name stands for all links, attached objects and obstacles that have it. `["post", 1]` in place
-/// of a name stands for the second of them. [`from_world`](Self::from_world) and
+/// of a name stands for the second of them. [`from_cell`](Self::from_cell) and
 /// [`save`](Self::save) write such files.
 ///
 /// A file whose root element is `sdf` is SDFormat under any name. Each collision element of
@@ -157,6 +158,38 @@ pub struct CellFile {
     pub skipped: Vec<Skipped>,
     /// Names of the skipped bodies, because `excluded` may hold them.
     pub(crate) missing: Vec<String>,
+    /// The file; empty for a cell of no file.
+    pub(crate) file: PathBuf,
+}
+
+/// The bodies of a cell by the names that a file gives them.
+pub(crate) struct NamedBodies(BTreeMap<String, Vec<CellBody>>);
+
+impl NamedBodies {
+    /// Returns the bodies that a name of the file stands for.
+    fn select(&self, cell: &Cell, body: &BodyName) -> Result<Vec<CellBody>, PlanError> {
+        let Some(found) = self.0.get(&body.name) else {
+            // The error says why.
+            return cell.select(&body.name);
+        };
+        match body.index {
+            None => Ok(found.clone()),
+            Some(index) => match found.get(index) {
+                Some(id) => Ok(vec![*id]),
+                None => Err(PlanError::Unnamed {
+                    name: body.to_string(),
+                    near: Some(body.name.as_str().into()),
+                }),
+            },
+        }
+    }
+
+    /// Returns all pairs of a body of `a` and a body of `b`.
+    fn pairs(&self, cell: &Cell, [a, b]: &[BodyName; 2]) -> Result<Vec<CellPair>, PlanError> {
+        let (first, second) = (self.select(cell, a)?, self.select(cell, b)?);
+        let each = first.iter().flat_map(|a| second.iter().map(move |b| (*a, *b)));
+        Ok(each.filter_map(|(a, b)| CellPair::new(a, b)).collect())
+    }
 }
 
 #[derive(serde::Deserialize)]
@@ -183,6 +216,111 @@ struct AttachedText {
 }
 
 impl CellFile {
+    /// Adds the obstacles and attached objects of this file to a cell, excludes its pairs, and sets its
+    /// margins and paddings. Returns what was [skipped](Self::skipped), and which names were taken:
+    /// the second body of a name `post` is `post#2` in the cell.
+    ///
+    /// If the file [excludes exactly](Self::excludes_exactly) its pairs, pairs that were excluded
+    /// before this call are not excluded any more. An obstacle that equals a half-space of a robot of
+    /// the cell is not added again.
+    ///
+    /// # Errors
+    /// Returns an error if a pose or a length is out of range, or if a name does not exist. Then the
+    /// cell has some of the bodies.
+    pub fn add_to(&self, cell: &mut Cell) -> Result<Vec<Skipped>, PlanError> {
+        let (named, skipped) = self.add_bodies(cell)?;
+        self.add_pairs(cell, &named)?;
+        Ok(skipped)
+    }
+
+    /// Adds the bodies, and returns them by their names with what was skipped.
+    pub(crate) fn add_bodies(&self, cell: &mut Cell) -> Result<(NamedBodies, Vec<Skipped>), PlanError> {
+        if self.excludes_exactly {
+            cell.include_all();
+        }
+        // The names in the file of bodies that have other names in the cell.
+        let mut renamed: BTreeMap<CellBody, &str> = BTreeMap::new();
+        for obstacle in &self.obstacles {
+            if has_half_space(cell, obstacle) {
+                continue;
+            }
+            let (name, geometry) = (cell.free_name(&obstacle.name), obstacle.geometry.clone());
+            let id = match &obstacle.poses {
+                Some(poses) => cell.add_moving_obstacle(&name, geometry, poses.clone())?,
+                None => cell.add_obstacle(&name, geometry, obstacle.pose)?,
+            };
+            if name != obstacle.name {
+                renamed.insert(id, &obstacle.name);
+            }
+        }
+        for (link, object) in &self.attached {
+            let free = AttachedBody {
+                name: cell.free_name(&object.name),
+                ..object.clone()
+            };
+            let id = free.attach_to(cell, link)?;
+            if free.name != object.name {
+                renamed.insert(id, &object.name);
+            }
+        }
+        let mut taken: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for (id, name) in &renamed {
+            taken.entry(name).or_default().push(cell.name(*id));
+        }
+        let mut skipped = self.skipped.clone();
+        skipped.extend(taken.into_iter().map(|(name, new)| Skipped {
+            file: self.file.clone(),
+            line: None,
+            element: format!("{name:?}"),
+            reason: match new[..] {
+                [one] => format!("the name is taken: this body is {one:?}"),
+                _ => format!(
+                    "the name is taken: these bodies are {:?} to {:?}",
+                    new[0],
+                    new[new.len() - 1]
+                ),
+            },
+        }));
+        let mut named: BTreeMap<String, Vec<CellBody>> = BTreeMap::new();
+        for (id, name) in cell.bodies() {
+            let name = renamed.get(&id).copied().unwrap_or(name);
+            named.entry(name.to_owned()).or_default().push(id);
+        }
+        Ok((NamedBodies(named), skipped))
+    }
+
+    /// Excludes the pairs, and sets margins and paddings.
+    pub(crate) fn add_pairs(&self, cell: &mut Cell, named: &NamedBodies) -> Result<(), PlanError> {
+        if let Some(margin) = self.margin {
+            cell.set_margin(margin)?;
+        }
+        for (name, padding) in &self.paddings {
+            for id in named.select(cell, name)? {
+                cell.pad(id, *padding)?;
+            }
+        }
+        for (pair, margin) in &self.margins {
+            for pair in named.pairs(cell, pair)? {
+                cell.set_pair_margin(pair.a, pair.b, Some(*margin))?;
+            }
+        }
+        // A skipped body and a link without bodies have no pairs.
+        let missing: BTreeSet<&str> = self.missing.iter().map(String::as_str).collect();
+        let is_missing = |name: &BodyName| missing.contains(&*name.name) && !named.0.contains_key(&name.name);
+        for pair in self.excluded.iter().filter(|pair| !pair.iter().any(is_missing)) {
+            match named.pairs(cell, pair) {
+                Ok(found) => {
+                    for pair in found {
+                        cell.exclude(pair.a, pair.b)?;
+                    }
+                }
+                Err(PlanError::WithoutBodies(_)) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+
     /// Returns the cell of a JSON text.
     pub(crate) fn from_json(
         text: &str,
@@ -192,7 +330,10 @@ impl CellFile {
     ) -> Result<Self, FileError> {
         check_content(text).map_err(|reason| FileError::new(path, Some(1), "", reason))?;
         let cell: CellText = parse_json(text, path)?;
-        let mut found = Self::default();
+        let mut found = Self {
+            file: path.into(),
+            ..Self::default()
+        };
         for (k, mut body) in cell.bodies.into_iter().enumerate() {
             let element = format!("bodies[{k}] {:?}", body.name);
             let wrong = |reason| FileError::new(path, None, element.clone(), reason);
@@ -254,4 +395,20 @@ impl CellFile {
             Err(error) => Err(error),
         }
     }
+}
+
+/// Returns whether an obstacle is a half-space of a robot, which is already in the cell.
+fn has_half_space(cell: &Cell, obstacle: &Obstacle) -> bool {
+    let (Geometry::HalfSpace(space), None) = (&obstacle.geometry, &obstacle.poses) else {
+        return false;
+    };
+    let mut own = cell.bodies().filter(|(id, _)| cell.is_of_robot(*id));
+    own.any(|(id, name)| match cell.geometry(id) {
+        Some(Geometry::HalfSpace(other)) => {
+            *name == obstacle.name
+                && cell.obstacle_pose(id) == Some(&obstacle.pose)
+                && (other.normal(), other.offset()) == (space.normal(), space.offset())
+        }
+        _ => false,
+    })
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, RelativePose, normalize_rotation};
 use lin_canny_formats::{Grid, Invalid, PointFile, Points};
-use lin_canny_plan::TimedPoses;
+use lin_canny_plan::{Cell, CellBody, PlanError, TimedPoses};
 
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::geometry::{self, Solid};
@@ -29,7 +29,7 @@ const SHAPES: &str = "box, cylinder, capsule, sphere, ellipsoid, cone, mesh, clo
 /// {"name": "part", "box": {"size": [0.05, 0.05, 0.1]}, "xyz": [0, 0, 0.12], "touch_links": ["hand", "left finger"]}
 /// ```
 ///
-/// [`Setup::attach`](crate::Setup::attach) attaches it. A [`HalfSpace`] cannot be attached.
+/// A [`HalfSpace`] cannot be attached.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct AttachedBody {
@@ -57,6 +57,15 @@ impl AttachedBody {
         let body: BodyText = parse_json(&text, path)?;
         let element = format!("{:?}", body.name);
         Self::from_text(body, element, path, packages, options)
+    }
+
+    /// Attaches the object to a link of a cell: see [`Cell::attach`].
+    ///
+    /// # Errors
+    /// As [`Cell::attach`].
+    pub fn attach_to(&self, cell: &mut Cell, link: &str) -> Result<CellBody, PlanError> {
+        let touch: Vec<&str> = self.touch_links.iter().map(String::as_str).collect();
+        cell.attach(link, &self.name, self.geometry.clone(), self.pose, &touch)
     }
 
     /// Returns the object of a body of a file. Errors name the element.

@@ -74,44 +74,44 @@ impl<'a> From<&'a BodyName> for NameLine<'a> {
     }
 }
 
-/// Saves worlds.
+/// Saves cells.
 impl CellFile {
-    /// Returns the cell of a world: its obstacles, attached objects, paddings, margins and excluded
+    /// Returns the file of a cell: its obstacles, attached objects, paddings, margins and excluded
     /// pairs.
     ///
-    /// A setup of the same robot with this cell ([`Setup::cell`](crate::Setup::cell)) has a checker
-    /// that answers as one of the world, bit for bit, also after the cell was
-    /// [saved](Self::save) and [loaded](Self::load). Ids start again: bodies keep their order, but
-    /// those that were removed have no id. The start contact margin belongs to the checker, not to
-    /// the world.
+    /// A cell of the same robot to which this is [added](Self::add_to) has a checker that answers as
+    /// one of this cell, bit for bit, also after it was [saved](Self::save) and [loaded](Self::load).
+    /// Ids start again: bodies keep their order, but those that were removed have no id. The start
+    /// contact margin belongs to the checker, not to the cell.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::{HalfSpace, Shape};
-    /// use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Setup};
+    /// use lin_canny_robot::plan::{Cell, Checker};
+    /// use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot};
     ///
     /// let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/gripper.urdf");
     /// let robot = Robot::load(urdf, &Packages::default())?;
-    /// let mut setup = Setup::new();
-    /// setup.robot("", &robot, Isometry3::identity());
-    /// setup.exclude_adjacent();
-    /// let mut checker = setup.checker()?;
+    /// let mut cell = Cell::new();
+    /// cell.add_robot("", &robot, Isometry3::identity())?;
+    /// cell.exclude_adjacent();
+    /// let mut checker = Checker::of_robots(cell)?;
     /// let floor = HalfSpace::new(Vector3::z(), -0.1)?;
     /// checker.cell_mut().add_obstacle("floor", floor, Isometry3::identity())?;
     /// checker.cell_mut().pad("floor", 0.01)?;
-    /// let text = CellFile::from_world(checker.cell()).to_json()?;
+    /// let text = CellFile::from_cell(checker.cell()).to_json()?;
     ///
     /// let (packages, options) = (Packages::default(), LoadOptions::default());
-    /// let mut again = Setup::new();
-    /// again.robot("", &robot, Isometry3::identity());
-    /// again.cell(&CellFile::parse(&text, "cell.json", &packages, &options)?);
-    /// let mut loaded = again.checker()?;
+    /// let mut again = Cell::new();
+    /// again.add_robot("", &robot, Isometry3::identity())?;
+    /// CellFile::parse(&text, "cell.json", &packages, &options)?.add_to(&mut again)?;
+    /// let mut loaded = Checker::of_robots(again)?;
     /// let q = [0.0, 0.6, 1.0, 0.0, 0.5, 0.0, 0.02];
     /// assert_eq!(loaded.clearance(&q)?, checker.clearance(&q)?);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn from_world(cell: &Cell) -> Self {
+    pub fn from_cell(cell: &Cell) -> Self {
         let names = Names::new(cell);
         let ids = cell
             .bodies()
@@ -135,11 +135,11 @@ impl CellFile {
         });
         let mut excluded: Vec<[BodyName; 2]> = Vec::new();
         let whole = cell.excluded_names();
-        excluded.extend(whole.iter().map(|pair| pair.map(BodyName::from)));
+        excluded.extend(whole.iter().map(|(pair, _)| pair.map(BodyName::from)));
         let is_single = |pair: &[CellBody; 2]| {
             let mut pair = pair.map(|id| cell.name(id));
             pair.sort_unstable();
-            whole.binary_search(&pair).is_err()
+            whole.binary_search_by_key(&pair, |(names, _)| *names).is_err()
         };
         let single = cell.excluded().filter(is_single);
         excluded.extend(single.map(|pair| pair.map(|id| names.of(id))));

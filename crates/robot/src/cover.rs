@@ -10,8 +10,9 @@ use roxmltree::Node;
 use serde_json::{Map, Value, json};
 
 use crate::error::{FileError, FileErrorKind};
-use crate::robot::{LinkBody, Robot};
+use crate::robot::Robot;
 use crate::xml::Xml;
+use lin_canny_plan::LinkBody;
 
 /// Error of a centre that is placed in the frame of its link, in units of the two distances that
 /// add up: the squared norm of a rotation errs by 1e-12, and the rest is rounding.

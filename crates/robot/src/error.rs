@@ -137,6 +137,9 @@ pub enum FileErrorKind {
     /// Returned if a geometry cannot form a body.
     #[error("{0}")]
     Geometry(String),
+    /// Returned if a cell cannot hold what the file says.
+    #[error(transparent)]
+    Cell(Box<lin_canny_plan::PlanError>),
 }
 
 /// Something that a file names and that was skipped, with the line and the reason.
@@ -213,6 +216,11 @@ fn roots(names: &[String]) -> String {
 }
 
 impl FileError {
+    /// Returns the error of a cell that cannot hold what a file says.
+    pub(crate) fn of_plan(file: &Path, error: lin_canny_plan::PlanError) -> Self {
+        Self::new(file, None, "", FileErrorKind::Cell(Box::new(error)))
+    }
+
     pub(crate) fn new(file: &Path, line: Option<u32>, element: impl Into<String>, reason: FileErrorKind) -> Self {
         Self {
             file: file.to_owned(),

@@ -4,11 +4,10 @@ use std::ops::ControlFlow;
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{PairTracker, Progress, QueryOptions, RelativePose};
-use lin_canny_plan::{ConfigurationSpace, PlanError};
+use lin_canny_plan::{Cell, CellBody, ConfigurationSpace, PlanError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::space::Setup;
 use crate::srdf::{ExcludedPair, Srdf};
 
 /// Reason why a link pair may be excluded.
@@ -66,20 +65,20 @@ struct Counted {
 /// # Errors
 /// Returns an error if a number of a robot is out of range.
 pub fn find_excludable(
-    setup: &Setup,
+    cell: &Cell,
     samples: u64,
     seed: u64,
     progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Vec<LinkPairCount>, PlanError> {
-    let space = setup.space()?;
+    let space = cell.space()?;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut counted = pairs(setup, &space);
+    let mut counted = pairs(cell, &space);
     let (mut poses, mut done) = (Vec::new(), 0);
     while done < samples {
         let q = space.sample(&mut || random.random::<f64>());
         space.place(&q, &mut poses);
         for pair in &mut counted {
-            pair.count(setup, &poses)?;
+            pair.count(cell, &poses)?;
         }
         done += 1;
         let told = Progress::new("configurations", done as usize, usize::try_from(samples).ok());
@@ -87,15 +86,15 @@ pub fn find_excludable(
             break;
         }
     }
-    Ok(counted.into_iter().map(|pair| pair.judged(setup, done)).collect())
+    Ok(counted.into_iter().map(|pair| pair.judged(cell, done)).collect())
 }
 
-fn pairs(setup: &Setup, space: &impl ConfigurationSpace) -> Vec<Counted> {
-    let bodies = setup.bodies();
+fn pairs(cell: &Cell, space: &impl ConfigurationSpace) -> Vec<Counted> {
+    let bodies: Vec<_> = cell.robot_bodies().collect();
     let mut counted: Vec<Counted> = Vec::new();
     for b in 0..bodies.len() {
         for a in (0..b).filter(|&a| !space.is_rigid(a, b)) {
-            let links = [a, b].map(|k| bodies[k].name.clone());
+            let links = [a, b].map(|k| bodies[k].0.to_owned());
             let known = counted.iter_mut().find(|pair| pair.links == links);
             let entry = (a, b, PairTracker::new());
             match known {
@@ -113,12 +112,15 @@ fn pairs(setup: &Setup, space: &impl ConfigurationSpace) -> Vec<Counted> {
 }
 
 impl Counted {
-    fn count(&mut self, setup: &Setup, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
-        let shape = |k: usize| &setup.bodies()[k].geometry;
+    fn count(&mut self, cell: &Cell, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
+        let shape = |k: usize| {
+            cell.geometry(CellBody::Robot(k))
+                .ok_or(PlanError::NoBody(CellBody::Robot(k)))
+        };
         let mut is_undecided = false;
         for (a, b, tracker) in &mut self.bodies {
             let pose = RelativePose::new(&poses[*a], &poses[*b])?;
-            match tracker.decide_within(shape(*a), shape(*b), &pose, 0.0, &QueryOptions::new()) {
+            match tracker.decide_within(shape(*a)?, shape(*b)?, &pose, 0.0, &QueryOptions::new()) {
                 lin_canny::Decision::Yes => {
                     self.overlaps += 1;
                     return Ok(());
@@ -131,9 +133,9 @@ impl Counted {
         Ok(())
     }
 
-    fn judged(self, setup: &Setup, samples: u64) -> LinkPairCount {
+    fn judged(self, cell: &Cell, samples: u64) -> LinkPairCount {
         let [a, b] = &self.links;
-        let mut adjacent = setup.adjacent().iter();
+        let mut adjacent = cell.adjacent().iter();
         let reason = if adjacent.any(|pair| (&pair[0], &pair[1]) == (a, b) || (&pair[1], &pair[0]) == (a, b)) {
             Some(ExcludeReason::Adjacent)
         } else if samples > 0 && self.overlaps == samples {
@@ -153,16 +155,8 @@ impl Counted {
     }
 }
 
-impl Setup {
-    /// Excludes the pairs that these counts allow to exclude: see
-    /// [`find_excludable`].
-    pub fn exclude_counts(&mut self, counts: &[LinkPairCount]) {
-        self.exclude_srdf("", &Srdf::from_counts(counts));
-    }
-}
-
 impl Srdf {
-    /// Returns the pairs that these counts allow to exclude.
+    /// Returns the pairs that these counts allow to exclude: see [`find_excludable`].
     #[must_use]
     pub fn from_counts(counts: &[LinkPairCount]) -> Self {
         let excluded = counts.iter().filter_map(|pair| {

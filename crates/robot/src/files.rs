@@ -1,33 +1,33 @@
 //! Loads robots and their cell from all their files.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
+use lin_canny_plan::{Cell, PlanError};
 
 use crate::cell::CellFile;
 use crate::cell_body::AttachedBody;
-use crate::error::{FileError, FileErrorKind};
+use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::robot::Robot;
-use crate::space::Setup;
 use crate::srdf::Srdf;
 
 /// The files of a robot and its cell, with the options of the command line tools.
 ///
 /// ```
 /// use lin_canny_robot::RobotFiles;
+/// use lin_canny_robot::plan::Checker;
 ///
 /// let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
 /// let mut files = RobotFiles::new(format!("{folder}/gripper.urdf"));
 /// files.srdf = Some(format!("{folder}/gripper.srdf").into());
 /// files.cell = Some(format!("{folder}/cell.json").into());
 ///
-/// let (robot, setup) = files.load()?;
-/// assert_eq!(setup.coordinates().len(), robot.coordinates().len());
-/// let mut checker = setup.checker()?;
-/// # assert!(checker.is_free_at(&vec![0.0; setup.coordinates().len()]).is_ok());
+/// let loaded = files.load()?;
+/// assert_eq!(loaded.cell.coordinates().len(), 7);
+/// let mut checker = Checker::of_robots(loaded.cell)?;
+/// # assert!(checker.is_free_at(&[0.0; 7]).is_ok());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default)]
@@ -48,10 +48,22 @@ pub struct RobotFiles {
     pub check_adjacent: bool,
     /// Objects that links carry: the link, and the JSON file of an [`AttachedBody`].
     pub attached: Vec<(String, PathBuf)>,
-    /// Paddings of links, obstacles and attached objects: see [`Setup::pad`].
+    /// Paddings of links, obstacles and attached objects: see [`Cell::pad`].
     pub paddings: Vec<(String, f64)>,
-    /// Pairs of names that are excluded: see [`Setup::exclude`].
+    /// Pairs of names that are excluded: see [`Cell::exclude`].
     pub excluded: Vec<[String; 2]>,
+}
+
+/// What [`RobotFiles::load`] returns.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct LoadedCell {
+    /// The first robot.
+    pub robot: Robot,
+    /// All robots and bodies.
+    pub cell: Cell,
+    /// What the files name and the cell does not hold.
+    pub skipped: Vec<Skipped>,
 }
 
 /// A further robot in the cell of [`RobotFiles`].
@@ -82,26 +94,6 @@ impl OtherRobot {
     }
 }
 
-/// Names of links and of coordinates that are in use.
-#[derive(Default)]
-struct UsedNames(BTreeSet<(&'static str, String)>);
-
-impl UsedNames {
-    /// Adds the names of a robot.
-    fn add(&mut self, prefix: &str, robot: &Robot, file: &Path) -> Result<(), FileError> {
-        let links = robot.links().iter().map(|link| ("link", &link.name));
-        let all = links.chain(robot.coordinates().iter().map(|c| ("joint", &c.name)));
-        for (kind, name) in all {
-            let name = format!("{prefix}{name}");
-            if !self.0.insert((kind, name.clone())) {
-                let element = format!("{kind} {name:?}");
-                return Err(FileError::new(file, None, element, FileErrorKind::Repeated));
-            }
-        }
-        Ok(())
-    }
-}
-
 impl RobotFiles {
     /// Returns the files of a robot without a cell.
     ///
@@ -116,16 +108,17 @@ impl RobotFiles {
         }
     }
 
-    /// Returns the first robot, and the setup of all robots and the cell for a checker.
+    /// Returns the first robot, the cell of all robots and bodies, and what the files name and the cell
+    /// does not hold.
     ///
-    /// The coordinates of the setup are those of the first robot, then those of each further robot
-    /// with its prefix. All pairs of links of two robots are checked. Names of attached objects,
-    /// paddings and excluded pairs are checked by [`Setup::checker`].
+    /// The coordinates of the cell are those of the first robot, then those of each further robot with
+    /// its prefix. All pairs of links of two robots are checked.
     ///
     /// # Errors
     /// Returns an error if a file is invalid, if the robot has no link of a name in
-    /// `options.link_meshes`, or if two robots have a link or joint of the same name.
-    pub fn load(&self) -> Result<(Robot, Setup), FileError> {
+    /// `options.link_meshes`, if two robots have a link or joint of the same name, or if a name of an
+    /// attached object, a padding or an excluded pair does not exist.
+    pub fn load(&self) -> Result<LoadedCell, FileError> {
         let robot = Robot::load_with(&self.robot, &self.packages, &self.options)?;
         for name in self.options.link_meshes.keys() {
             if robot.link(name).is_none() {
@@ -133,42 +126,78 @@ impl RobotFiles {
                 return Err(FileError::new(&self.robot, None, "", reason));
             }
         }
-        let mut setup = Setup::new();
-        setup.robot("", &robot, Isometry3::identity());
-        let mut used = UsedNames::default();
+        let mut cell = Cell::new();
+        let mut skipped = robot.skipped().to_vec();
+        let add = |cell: &mut Cell, prefix: &str, robot: &Robot, pose, file: &Path| {
+            cell.add_robot(prefix, robot, pose).map_err(|error| match error {
+                PlanError::NameTaken { kind, name } => {
+                    FileError::new(file, None, format!("{kind} {name:?}"), FileErrorKind::Repeated)
+                }
+                error => FileError::of_plan(file, error),
+            })
+        };
+        add(&mut cell, "", &robot, Isometry3::identity(), &self.robot)?;
         let mut others = Vec::new();
         for other in &self.others {
-            if others.is_empty() {
-                used.add("", &robot, &self.robot)?;
-            }
             let further = Robot::load_with(&other.robot, &self.packages, &self.options)?;
-            used.add(&other.prefix, &further, &other.robot)?;
-            setup.robot(&other.prefix, &further, other.pose);
+            add(&mut cell, &other.prefix, &further, other.pose, &other.robot)?;
+            skipped.extend_from_slice(further.skipped());
             others.push(further);
         }
         if !self.check_adjacent {
-            setup.exclude_adjacent();
+            cell.exclude_adjacent();
         }
-        if let Some(file) = &self.srdf {
-            setup.exclude_srdf("", &Srdf::load(file, &robot)?);
-        }
-        for (other, further) in self.others.iter().zip(&others) {
-            if let Some(file) = &other.srdf {
-                setup.exclude_srdf(&other.prefix, &Srdf::load(file, further)?);
+        let others = self.others.iter().zip(&others);
+        let others = others.map(|(other, robot)| (&other.prefix[..], robot, &other.srdf));
+        for (prefix, robot, srdf) in std::iter::once(("", &robot, &self.srdf)).chain(others) {
+            if let Some(file) = srdf {
+                let srdf = Srdf::load(file, robot)?;
+                srdf.exclude_in(&mut cell, prefix)
+                    .map_err(|e| FileError::of_plan(file, e))?;
+                skipped.extend(srdf.skipped_pairs().cloned());
             }
         }
+        let mut named = None;
         if let Some(file) = &self.cell {
-            setup.cell(&CellFile::load(file, &self.packages, &self.options)?);
+            let text = CellFile::load(file, &self.packages, &self.options)?;
+            let (bodies, notes) = text.add_bodies(&mut cell).map_err(|e| FileError::of_plan(file, e))?;
+            skipped.extend(notes);
+            named = Some((file, text, bodies));
         }
         for (link, file) in &self.attached {
-            setup.attach(link, AttachedBody::load(file, &self.packages, &self.options)?);
+            let object = AttachedBody::load(file, &self.packages, &self.options)?;
+            object
+                .attach_to(&mut cell, link)
+                .map_err(|e| FileError::of_plan(file, e))?;
+            skipped.extend(object.skipped);
+        }
+        if let Some((file, text, bodies)) = named {
+            text.add_pairs(&mut cell, &bodies)
+                .map_err(|e| FileError::of_plan(file, e))?;
         }
         for (name, padding) in &self.paddings {
-            setup.pad(name, *padding);
+            cell.pad(name, *padding).map_err(|e| FileError {
+                element: format!("padding of {name:?}"),
+                ..FileError::of_plan(&self.robot, e)
+            })?;
         }
         for [a, b] in &self.excluded {
-            setup.exclude(a, b);
+            match cell.exclude(a, b) {
+                Ok(_) => {}
+                Err(PlanError::WithoutBodies(link)) => skipped.push(Skipped {
+                    file: self.robot.clone(),
+                    line: None,
+                    element: format!("pair {a:?} and {b:?}"),
+                    reason: format!("link {link:?} has no bodies, so this excludes nothing"),
+                }),
+                Err(error) => {
+                    return Err(FileError {
+                        element: format!("excluded pair {a:?} and {b:?}"),
+                        ..FileError::of_plan(&self.robot, error)
+                    });
+                }
+            }
         }
-        Ok((robot, setup))
+        Ok(LoadedCell { robot, cell, skipped })
     }
 }

@@ -206,9 +206,3 @@ pub(crate) fn of_submesh(
     let soup = mesh_file::submesh(file, name, is_centered, placing);
     soup.and_then(|soup| of_soup(soup, usage, options)).map_err(named)
 }
-
-/// Returns an upper bound of the distance from the origin of a body's frame to its farthest point.
-pub(crate) fn radius(geometry: &Geometry) -> f64 {
-    let (centre, radius): (Point3<f64>, f64) = geometry.bounding_ball();
-    centre.coords.norm() + radius
-}

@@ -6,9 +6,10 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use roxmltree::Node;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
-use crate::robot::{MotionKind, Robot};
+use crate::robot::Robot;
 use crate::turn::{from_xyzw, to_roll_pitch_yaw};
 use crate::xml::{Xml, attribute};
+use lin_canny_plan::MotionKind;
 use lin_canny_plan::nearest_name as nearest;
 
 /// A named set of links and joints of a robot.
@@ -46,7 +47,7 @@ pub struct GroupState {
 /// A joint between a frame of the world and the robot, which is not in the robot's file.
 ///
 /// A fixed virtual joint says that the robot does not move in the frame: its pose is an argument of
-/// [`Setup::robot`](crate::Setup::robot). A planar or floating one has no effect here. To move the
+/// [`Cell::add_robot`](lin_canny_plan::Cell::add_robot). A planar or floating one has no effect here. To move the
 /// robot by it, add its `parent_frame` as a link and the joint to the URDF, with the type `planar`
 /// or `floating`, the `child_link` as its child, and the name of the virtual joint. Then the robot
 /// has coordinates such as `name/x`, in metres and radians, and states may name the joint.

@@ -49,7 +49,7 @@ pub struct LinkHulls {
 /// hull would be out of range. The error names the link and the body.
 pub fn hull_links(robot: &Robot, faces: usize) -> Result<Vec<LinkHulls>, LinkCoverError> {
     let with_bodies = robot.links().iter().filter(|link| !link.bodies.is_empty());
-    let of_link = |link: &crate::robot::RobotLink| {
+    let of_link = |link: &lin_canny_plan::RobotLink| {
         let bodies = link.bodies.iter().enumerate();
         let hulls = bodies.map(|(k, body)| {
             hull_outside(&body.geometry, faces).map_err(|reason| LinkCoverError {
@@ -105,7 +105,7 @@ pub fn urdf_of_hulls(
 /// `offsets`, with `normal . x <= offset` inside; and the `gap`.
 #[must_use]
 pub fn json_of_hulls(robot: &Robot, hulls: &[LinkHulls]) -> String {
-    let of_body = |body: &crate::robot::LinkBody, cover: &HullCover| -> Value {
+    let of_body = |body: &lin_canny_plan::LinkBody, cover: &HullCover| -> Value {
         let vertices = cover.hull.vertex_points().map(|p| json!(p.coords.as_slice()));
         let triangles = cover.hull.triangles().map(|t| json!(t.map(|v| v.index())));
         let normals = cover.planes.iter().map(|plane| json!(plane.normal().as_slice()));

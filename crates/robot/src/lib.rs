@@ -2,22 +2,22 @@
 //!
 //! ```
 //! use lin_canny::nalgebra::Isometry3;
-//! use lin_canny_robot::plan::JointMotion;
-//! use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory};
+//! use lin_canny_robot::plan::{Cell, Checker, JointMotion};
+//! use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Srdf, Trajectory};
 //!
 //! let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
 //! let packages = Packages::default().with_environment();
 //! let options = LoadOptions::default();
 //! let robot = Robot::load_with(format!("{folder}/gripper.urdf"), &packages, &options)?;
 //!
-//! let mut setup = Setup::new();
-//! setup.robot("", &robot, Isometry3::identity());
-//! setup.exclude_adjacent();
-//! setup.exclude_srdf("", &Srdf::load(format!("{folder}/gripper.srdf"), &robot)?);
-//! setup.cell(&CellFile::load(format!("{folder}/cell.json"), &packages, &options)?);
+//! let mut cell = Cell::new();
+//! cell.add_robot("", &robot, Isometry3::identity())?;
+//! cell.exclude_adjacent();
+//! Srdf::load(format!("{folder}/gripper.srdf"), &robot)?.exclude_in(&mut cell, "")?;
+//! CellFile::load(format!("{folder}/cell.json"), &packages, &options)?.add_to(&mut cell)?;
 //!
-//! let motion = Trajectory::load(format!("{folder}/carry.csv"), setup.coordinates())?;
-//! let mut checker = setup.checker()?;
+//! let motion = Trajectory::load(format!("{folder}/carry.csv"), cell.coordinates())?;
+//! let mut checker = Checker::of_robots(cell)?;
 //! let verdict = checker.certify(&JointMotion::path(&motion.rows)?)?;
 //! assert!(verdict.is_free());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -31,10 +31,10 @@
 //! | exclude pairs of links, from an SRDF or random configurations | [`Srdf`], [`find_excludable`] |
 //! | use the groups and named states of an SRDF | [`Srdf::groups`], [`Srdf::state`] |
 //! | load obstacles from JSON or SDFormat | [`CellFile`] |
-//! | save the world of a checker, and load it again | [`CellFile::from_world`], [`CellFile::save`] |
+//! | save the cell of a checker, and load it again | [`CellFile::from_cell`], [`CellFile::save`] |
 //! | load all files of robots and their cell in one call | [`RobotFiles`], [`OtherRobot`] |
-//! | obstacles that move on the clock of a trajectory | [`CellFile`] with `poses`, [`Setup::moving_obstacle`] |
-//! | put robots and obstacles into one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
+//! | obstacles that move on the clock of a trajectory | [`CellFile`] with `poses`, [`Cell::add_moving_obstacle`](lin_canny_plan::Cell::add_moving_obstacle) |
+//! | put robots and obstacles into one cell | [`Cell::add_robot`](lin_canny_plan::Cell::add_robot), [`Checker::of_robots`](lin_canny_plan::Checker::of_robots) |
 //! | read configurations from CSV | [`Trajectory`] |
 //! | read trajectories with times and velocities from CSV, or from the JSON or YAML of ROS | [`Trajectory::load_timed`], [`Trajectory::curves`] |
 //! | cover links by balls, and fill them with balls, for planners that know only spheres | [`cover_links`], [`urdf_of_balls`], [`json_of_balls`] |
@@ -99,7 +99,7 @@
 //!   is listed in [`Robot::skipped`].
 //! * A mesh is used as its hull, as in MuJoCo, or as [`LoadOptions::meshes`] says. Meshes are STL,
 //!   OBJ and MSH files, or in the file. A geom that MuJoCo would fit to a mesh is an error.
-//! * A plane of a body that no joint moves is a half-space; in a setup it is an obstacle with the
+//! * A plane of a body that no joint moves is a half-space; in a cell it is an obstacle with the
 //!   name of the link. A plane that moves is a box of the size [`LoadOptions::plane_extent`] below
 //!   the plane. A height field is the solid below its heights, which must be in the file.
 //! * An equality of two joints is a mimic joint, and one without a second joint holds the joint.
@@ -143,7 +143,7 @@
 //!   link with two parent joints.
 //! * All pairs of links of a model are checked, although `self_collide` is false by default.
 //!   `collide_bitmask` and `category_bitmask` exclude pairs of bodies: see [`Robot::excluded`].
-//! * A `plane` of a [`CellFile`], or of a link that no joint moves, is a half-space; in a setup it is
+//! * A `plane` of a [`CellFile`], or of a link that no joint moves, is a half-space; in a cell it is
 //!   an obstacle. A plane that moves is a box of the size [`LoadOptions::plane_extent`] below the
 //!   plane. A `polyline` is an exact prism. `heightmap`, `image`, a geometry of several polylines,
 //!   and a `submesh` of a COLLADA file are errors.
@@ -209,7 +209,6 @@ mod pose_file;
 mod recorder;
 mod robot;
 mod sdformat;
-mod space;
 mod srdf;
 mod text;
 mod trajectory;
@@ -224,16 +223,16 @@ pub use cell_body::AttachedBody;
 pub use cover::{LinkCover, LinkCoverError, cover_links, json_of_balls, urdf_of_balls};
 pub use error::{FileError, FileErrorKind, Skipped};
 pub use excludable::{ExcludeReason, LinkPairCount, find_excludable};
-pub use files::{OtherRobot, RobotFiles};
+pub use files::{LoadedCell, OtherRobot, RobotFiles};
 pub use groups::{GroupState, JointGroup, VirtualJoint};
 pub use hulls::{LinkHulls, hull_links, json_of_hulls, urdf_of_hulls};
 pub use lin_canny;
 pub use lin_canny_plan as plan;
+pub use lin_canny_plan::{Coordinate, LinkBody, MotionKind, RobotJoint, RobotLink, RobotModel};
 pub use lin_canny_record as record;
 pub use options::{LoadOptions, MeshUse};
 pub use packages::Packages;
 pub use recorder::RobotRecorder;
-pub use robot::{Coordinate, LinkBody, MotionKind, Robot, RobotJoint, RobotLink};
-pub use space::Setup;
+pub use robot::Robot;
 pub use srdf::{ExcludedPair, Srdf};
 pub use trajectory::{Trajectory, csv_text};

@@ -7,9 +7,10 @@ use lin_canny_plan::Drive;
 
 use crate::error::{FileError, FileErrorKind, Place};
 use crate::options::LoadOptions;
-use crate::robot::{Coordinate, MotionKind, Robot, RobotJoint, RobotLink};
+use crate::robot::Robot;
 use crate::xml::EXTENT_MAX;
 use lin_canny_plan::nearest_name as nearest;
+use lin_canny_plan::{Coordinate, MotionKind, RobotJoint, RobotLink, RobotModel};
 
 /// The most joints through which a joint mimics another one.
 const CHAIN: usize = 100;
@@ -105,17 +106,18 @@ impl LinkTree {
         };
         Robot {
             name: name.into(),
-            links: self.order.iter().filter_map(|&(link, _)| links[link].take()).collect(),
-            joints: self
-                .order
-                .iter()
-                .filter_map(|&(_, mover)| Some((joints[mover?].take()?, self.drives[mover?])))
-                .map(joint_of)
-                .collect(),
+            model: RobotModel {
+                links: self.order.iter().filter_map(|&(link, _)| links[link].take()).collect(),
+                joints: self
+                    .order
+                    .iter()
+                    .filter_map(|&(_, mover)| Some((joints[mover?].take()?, self.drives[mover?])))
+                    .map(joint_of)
+                    .collect(),
+                coordinates: self.coordinates,
+                ..RobotModel::default()
+            },
             start: self.start,
-            coordinates: self.coordinates,
-            adjacent: Vec::new(),
-            excluded: Vec::new(),
             skipped: Vec::new(),
         }
     }

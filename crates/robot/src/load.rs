@@ -9,10 +9,11 @@ use crate::error::{FileError, FileErrorKind};
 use crate::geometry::Solid;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
-use crate::robot::{Coordinate, MotionKind, Robot};
+use crate::robot::Robot;
 use crate::trajectory::Trajectory;
 use crate::xml::Xml;
 use crate::{message, mjcf, sdformat, urdf, yaml};
+use lin_canny_plan::{Coordinate, MotionKind};
 
 impl Robot {
     /// Returns the robot of a file; meshes are replaced by their hulls. The root element decides
@@ -60,11 +61,12 @@ impl Robot {
 
     /// Replaces the half-spaces of links that a joint moves by boxes: a body that moves is bounded.
     fn bound_planes(&mut self, extent: f64, path: &Path) -> Result<(), FileError> {
-        let mut is_at_rest = vec![true; self.links.len()];
-        for (k, joint) in self.joints.iter().enumerate() {
+        let mut is_at_rest = vec![true; self.model.links.len()];
+        for (k, joint) in self.model.joints.iter().enumerate() {
             is_at_rest[k + 1] = is_at_rest[joint.parent] && joint.kind == MotionKind::Fixed;
         }
         let moving = self
+            .model
             .links
             .iter_mut()
             .zip(is_at_rest)
@@ -108,6 +110,7 @@ impl CellFile {
         if text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
             let (obstacles, skipped) = sdformat::obstacles(&Xml::parse(path, text)?, packages, options)?;
             return Ok(Self {
+                file: path.into(),
                 obstacles,
                 skipped,
                 ..Self::default()

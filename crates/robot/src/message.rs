@@ -5,8 +5,8 @@ use std::path::Path;
 use serde_json::{Map, Value};
 
 use crate::error::{FileError, FileErrorKind};
-use crate::robot::Coordinate;
 use crate::trajectory::{Trajectory, check_complete, check_limits, check_time, coordinate};
+use lin_canny_plan::Coordinate;
 
 /// The fields of a message and of its points; effort is not read.
 const FIELDS: &[&str] = &["header", "joint_names", "points"];

@@ -19,8 +19,8 @@ use crate::error::{FileError, FileErrorKind};
 /// obstacle of the same name and geometry stays one body of the recording.
 ///
 /// ```no_run
-/// # use lin_canny_robot::{RobotRecorder, RobotFiles};
-/// let mut checker = RobotFiles::new("arm.urdf").load()?.1.checker()?;
+/// # use lin_canny_robot::{RobotRecorder, RobotFiles, plan::Checker};
+/// let mut checker = Checker::of_robots(RobotFiles::new("arm.urdf").load()?.cell)?;
 /// let path = [[0.0; 6], [0.5; 6]];
 /// let mut recorder = RobotRecorder::create("arm.jsonl", &checker, &path[0])?;
 /// for q in &path {

@@ -1,115 +1,9 @@
-//! Robots: links, joints, and the geometry of the links.
+//! Robots that are read from files.
 
-use std::path::PathBuf;
-
-use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
-use lin_canny::{Geometry, HullFit};
-use lin_canny_plan::Drive;
+use lin_canny_plan::{Coordinate, RobotJoint, RobotLink, RobotModel};
 
 use crate::error::{FileErrorKind, Skipped};
 use lin_canny_plan::nearest_name as nearest;
-
-/// The kind of a joint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum MotionKind {
-    /// Rotates about its axis, with or without limits.
-    Revolute,
-    /// Slides along its axis.
-    Prismatic,
-    /// Never moves.
-    Fixed,
-    /// Slides in the plane perpendicular to its axis and rotates about the axis: coordinates `x`,
-    /// `y` and `theta`.
-    Planar,
-    /// Moves freely: coordinates `x`, `y`, `z`, and the angles `roll`, `pitch`, `yaw` as in `rpy`.
-    Floating,
-}
-
-impl MotionKind {
-    /// Returns the names of the coordinates of a joint with several coordinates.
-    pub(crate) fn parts(self) -> &'static [&'static str] {
-        match self {
-            Self::Planar => &["x", "y", "theta"],
-            Self::Floating => &["x", "y", "z", "roll", "pitch", "yaw"],
-            Self::Revolute | Self::Prismatic | Self::Fixed => &[],
-        }
-    }
-}
-
-/// A joint, which moves one link relative to another.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct RobotJoint {
-    /// Name of the joint.
-    pub name: String,
-    /// Kind of motion.
-    pub kind: MotionKind,
-    /// Index of the parent link.
-    pub parent: usize,
-    /// Index of the link that the joint moves.
-    pub child: usize,
-    /// Pose of the joint's frame in the frame of the parent link.
-    pub origin: Isometry3<f64>,
-    /// Axis in the joint's frame.
-    pub axis: Unit<Vector3<f64>>,
-    /// Drive of a revolute or prismatic joint; `None` for a fixed joint.
-    ///
-    /// For a planar or floating joint, the drive of the first of its consecutive coordinates.
-    pub drive: Option<Drive>,
-    /// The joint that this one mimics.
-    pub mimics: Option<String>,
-    /// Least and greatest value of a revolute or prismatic joint, in radians or lengths.
-    pub limits: [f64; 2],
-}
-
-/// A body of a link: one of its collision elements.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct LinkBody {
-    /// Pose in the frame of the link.
-    pub origin: Isometry3<f64>,
-    /// The geometry.
-    pub geometry: Geometry,
-    /// The mesh file that the geometry comes from, if there is one.
-    pub mesh: Option<PathBuf>,
-    /// How much the hull differs from the mesh, if measured.
-    pub hull_fit: Option<HullFit>,
-}
-
-impl LinkBody {
-    pub(crate) fn new(origin: Isometry3<f64>, geometry: Geometry) -> Self {
-        Self {
-            origin,
-            geometry,
-            mesh: None,
-            hull_fit: None,
-        }
-    }
-}
-
-/// A link: a name and bodies.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct RobotLink {
-    /// The name.
-    pub name: String,
-    /// The bodies; empty for a link that is only a frame.
-    pub bodies: Vec<LinkBody>,
-}
-
-/// A coordinate of the configurations of a robot.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Coordinate {
-    /// Name of the joint; for a planar or floating joint with a suffix, such as `base/x`.
-    pub name: String,
-    /// Least and greatest value.
-    pub limits: [f64; 2],
-    /// Greatest absolute velocity by second, of the joint and of those that mimic it, if the URDF
-    /// states one.
-    pub velocity: Option<f64>,
-}
 
 /// A robot that is read from a URDF, MJCF or SDFormat file.
 ///
@@ -129,16 +23,17 @@ pub struct Coordinate {
 #[derive(Clone, Debug)]
 pub struct Robot {
     pub(crate) name: String,
-    pub(crate) links: Vec<RobotLink>,
-    pub(crate) joints: Vec<RobotJoint>,
-    pub(crate) coordinates: Vec<Coordinate>,
-    /// Pairs of adjacent links, the smaller index first.
-    pub(crate) adjacent: Vec<[usize; 2]>,
-    /// Pairs of bodies that the file excludes: indices over the bodies of all links.
-    pub(crate) excluded: Vec<[usize; 2]>,
+    /// Links, joints, coordinates, and pairs that are adjacent or excluded.
+    pub(crate) model: RobotModel,
     pub(crate) skipped: Vec<Skipped>,
     /// The configuration in which the file draws the robot.
     pub(crate) start: Vec<f64>,
+}
+
+impl AsRef<RobotModel> for Robot {
+    fn as_ref(&self) -> &RobotModel {
+        &self.model
+    }
 }
 
 impl Robot {
@@ -151,19 +46,19 @@ impl Robot {
     /// Returns the links; the root comes first, and each link comes after its parent.
     #[must_use]
     pub fn links(&self) -> &[RobotLink] {
-        &self.links
+        &self.model.links
     }
 
     /// Returns the joints; joint k moves link k + 1.
     #[must_use]
     pub fn joints(&self) -> &[RobotJoint] {
-        &self.joints
+        &self.model.joints
     }
 
     /// Returns the coordinates of a configuration, in the order of the joints in the file.
     #[must_use]
     pub fn coordinates(&self) -> &[Coordinate] {
-        &self.coordinates
+        &self.model.coordinates
     }
 
     /// Returns the configuration in which the file draws the robot.
@@ -188,7 +83,7 @@ impl Robot {
     /// Returns the index of a link.
     #[must_use]
     pub fn link(&self, name: &str) -> Option<usize> {
-        self.links.iter().position(|link| link.name == name)
+        self.model.links.iter().position(|link| link.name == name)
     }
 
     /// Returns the error of a link that does not exist.
@@ -196,7 +91,7 @@ impl Robot {
         FileErrorKind::Unknown {
             kind: "link",
             name: name.into(),
-            near: nearest(name, self.links.iter().map(|link| link.name.as_str())),
+            near: nearest(name, self.model.links.iter().map(|link| link.name.as_str())),
         }
     }
 
@@ -207,7 +102,7 @@ impl Robot {
     /// one link, and no link is adjacent to the world, as in MuJoCo.
     #[must_use]
     pub fn adjacent(&self) -> &[[usize; 2]] {
-        &self.adjacent
+        &self.model.adjacent
     }
 
     /// Returns the pairs of bodies that the file excludes, each as link and body of the link.
@@ -216,10 +111,10 @@ impl Robot {
     /// `collide_bitmask`; URDF by Drake's `drake:collision_filter_group`.
     #[must_use]
     pub fn excluded(&self) -> Vec<[(usize, usize); 2]> {
-        let links = self.links.iter().enumerate();
+        let links = self.model.links.iter().enumerate();
         let bodies = links.flat_map(|(k, link)| (0..link.bodies.len()).map(move |body| (k, body)));
         let bodies: Vec<(usize, usize)> = bodies.collect();
-        self.excluded.iter().map(|pair| pair.map(|k| bodies[k])).collect()
+        self.model.excluded.iter().map(|pair| pair.map(|k| bodies[k])).collect()
     }
 }
 

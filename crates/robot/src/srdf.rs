@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use lin_canny_plan::{Cell, nearest_name as nearest};
+use lin_canny_plan::{Cell, CellPair, PlanError, nearest_name as nearest};
 use lin_canny_record::escaped;
 
 use crate::error::{FileError, FileErrorKind, Skipped};
@@ -169,21 +169,56 @@ impl Srdf {
         }
     }
 
-    /// Returns the SRDF of the links of a robot all of whose pairs are excluded in a world, for one
-    /// reason. The pairs of links and obstacles are left out.
-    #[must_use]
-    pub fn from_world(cell: &Cell, prefix: &str, robot: &Robot, reason: &str) -> Self {
-        let pairs = cell.excluded_names().into_iter();
-        Self::from_pairs(pairs.map(|pair| (pair, reason)), prefix, robot)
+    /// Excludes the pairs of this SRDF in a cell, for the robot with this prefix.
+    ///
+    /// Pairs that the SRDF enables are not excluded any more, unless the file of the robot excludes
+    /// them: call [`Cell::exclude_adjacent`] before. A link without bodies has no pairs. Groups, states
+    /// and virtual joints change nothing.
+    ///
+    /// # Errors
+    /// Returns an error if the cell has no link of one of the names.
+    pub fn exclude_in(&self, cell: &mut Cell, prefix: &str) -> Result<(), PlanError> {
+        let with_prefix = |links: &[String; 2]| links.each_ref().map(|name| format!("{prefix}{name}"));
+        let may_lack_bodies = |found| match found {
+            Err(PlanError::WithoutBodies(_)) => Ok(Vec::new()),
+            found => found,
+        };
+        for [a, b] in self.enabled.iter().map(with_prefix) {
+            let [first, second] = [may_lack_bodies(cell.select(&a))?, may_lack_bodies(cell.select(&b))?];
+            let pairs = first
+                .iter()
+                .flat_map(|a| second.iter().map(move |b| CellPair::new(*a, *b)));
+            // What a file excludes has no reason.
+            let is_given = |pair: &CellPair| cell.exclusion(*pair).is_some_and(|reason| !reason.is_empty());
+            let pairs: Vec<CellPair> = pairs.flatten().filter(is_given).collect();
+            for pair in pairs {
+                cell.include(pair.a, pair.b)?;
+            }
+        }
+        for pair in &self.excluded {
+            let [a, b] = with_prefix(&pair.links);
+            match cell.exclude_because(&a, &b, &pair.reason) {
+                Ok(_) | Err(PlanError::WithoutBodies(_)) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
     }
 
-    /// Returns the SRDF of the pairs that are links of a robot, each with its reason.
-    pub(crate) fn from_pairs<'a>(
-        pairs: impl Iterator<Item = ([&'a str; 2], &'a str)>,
-        prefix: &str,
-        robot: &Robot,
-    ) -> Self {
-        let excluded = pairs.filter_map(|(pair, reason)| {
+    /// Returns what was skipped among the pairs, without groups and virtual joints.
+    pub fn skipped_pairs(&self) -> impl Iterator<Item = &Skipped> {
+        let is_of_others = |skipped: &Skipped| {
+            let mut kinds = ["group", "virtual_joint"].iter();
+            kinds.any(|kind| skipped.element.starts_with(kind))
+        };
+        self.skipped.iter().filter(move |skipped| !is_of_others(skipped))
+    }
+
+    /// Returns the SRDF of the links of a robot, with this prefix in the cell, all of whose pairs are
+    /// excluded, each with its reason. The pairs of links and obstacles are left out.
+    #[must_use]
+    pub fn from_cell(cell: &Cell, prefix: &str, robot: &Robot) -> Self {
+        let excluded = cell.excluded_names().into_iter().filter_map(|(pair, reason)| {
             let links = own_links(pair, prefix, robot)?;
             let reason = reason.to_owned();
             Some(ExcludedPair { links, reason })

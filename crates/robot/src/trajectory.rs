@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::csv_rows::Records;
 use crate::error::{FileError, FileErrorKind};
-use crate::robot::Coordinate;
+use lin_canny_plan::Coordinate;
 use lin_canny_plan::{JointCurve, JointTube, PlanError, SmoothPath, nearest_name as nearest};
 
 /// A sequence of configurations.

@@ -2,8 +2,6 @@
 //!
 //! The functions of the C library differ between targets in the last bit.
 
-use std::f64::consts::PI;
-
 use lin_canny::nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
 /// Returns the rotation about an axis by an angle in radians.
@@ -64,18 +62,12 @@ fn moderate<const N: usize>(numbers: [f64; N]) -> Option<[f64; N]> {
     }
 }
 
-/// Returns the shortest rotation from z to a direction: a half turn about x for the opposite of z.
-pub(crate) fn from_z(to: &Unit<Vector3<f64>>) -> UnitQuaternion<f64> {
-    let across = Vector3::z().cross(to);
-    match Unit::try_new(across, 0.0) {
-        Some(axis) => about(&axis, libm::atan2(across.norm(), to.z)),
-        None if to.z < 0.0 => about(&Vector3::x_axis(), PI),
-        None => UnitQuaternion::identity(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
+    use lin_canny_plan::turn_from_z;
+
     use super::*;
 
     #[test]
@@ -100,7 +92,7 @@ mod tests {
                     "{off}"
                 );
             }
-            assert!((from_z(&axis) * Vector3::z() - axis.into_inner()).norm() < 1e-15);
+            assert!((turn_from_z(&axis) * Vector3::z() - axis.into_inner()).norm() < 1e-15);
         }
     }
 
@@ -133,9 +125,12 @@ mod tests {
     fn the_opposite_of_z_is_reached_by_half_a_turn() {
         for x in [0.0, 1e-300, 1e-17, 1e-12, 1e-6] {
             let to = Unit::new_normalize(Vector3::new(x, 0.0, -1.0));
-            assert!((from_z(&to) * Vector3::z() - to.into_inner()).norm() < 1e-15, "{x:e}");
+            assert!(
+                (turn_from_z(&to) * Vector3::z() - to.into_inner()).norm() < 1e-15,
+                "{x:e}"
+            );
         }
-        assert_eq!(from_z(&Vector3::z_axis()), UnitQuaternion::identity());
+        assert_eq!(turn_from_z(&Vector3::z_axis()), UnitQuaternion::identity());
     }
 
     /// The bits of these rotations affect every result for a robot. They are the same on every
@@ -149,7 +144,7 @@ mod tests {
             bits(about(&axis, 1.234_567_890_123)),
             bits(roll_pitch_yaw([0.1, -2.2, 3.3])),
             bits(roll_pitch_yaw([1.5, 0.704, -0.917])),
-            bits(from_z(&axis)),
+            bits(turn_from_z(&axis)),
         ];
         assert_eq!(found, PINNED, "{found:x?}");
     }

@@ -13,10 +13,11 @@ use crate::link_tree::{FileJoint, Follows, LinkTree};
 use crate::mesh_file::MeshPlacing;
 use crate::options::{LoadOptions, MeshUse};
 use crate::packages::Packages;
-use crate::robot::{LinkBody, MotionKind, Robot, RobotLink, adjacent_by_joints};
+use crate::robot::{Robot, adjacent_by_joints};
 use crate::turn::direction;
 use crate::xml::{EXTENT_MAX, Xml, attribute};
 use lin_canny_plan::nearest_name as nearest;
+use lin_canny_plan::{LinkBody, MotionKind, RobotLink};
 
 /// Elements that hold neither geometry for collisions nor kinematics.
 const PASSED: [&str; 23] = [
@@ -229,8 +230,8 @@ impl<'a> Reader<'a> {
         let links: Vec<RobotLink> = links.collect::<Result<_, _>>()?;
         let name = attribute(&self.xml.root(), "name").unwrap_or_default();
         let mut robot = tree.robot(name, links, self.joints);
-        robot.adjacent = adjacent_by_joints(&robot.links, &robot.joints);
-        robot.excluded = bodies_of(&robot.links, &names, &self.excluded);
+        robot.model.adjacent = adjacent_by_joints(&robot.model.links, &robot.model.joints);
+        robot.model.excluded = bodies_of(&robot.model.links, &names, &self.excluded);
         robot.skipped = skipped;
         Ok(robot)
     }

@@ -5,16 +5,16 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use lin_canny_robot::lin_canny::nalgebra::Isometry3;
-use lin_canny_robot::plan::{Checker, ClearanceWidth, ConfigurationSpace, JointTree, PlanError, RangeOptions};
+use lin_canny_robot::plan::{Cell, Checker, ClearanceWidth, ConfigurationSpace, JointTree, PlanError, RangeOptions};
 use lin_canny_robot::{
-    AuditCell, AuditVerdict, LoadOptions, Packages, Robot, RobotFiles, Setup, audit, audit_cells, audit_pair,
+    AuditCell, AuditVerdict, LoadOptions, Packages, Robot, RobotFiles, audit, audit_cells, audit_pair,
 };
 
 fn gripper() -> Checker<JointTree> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
     let mut files = RobotFiles::new(format!("{folder}/gripper.urdf"));
     files.cell = Some(format!("{folder}/cell.json").into());
-    files.load().expect("the example").1.checker().expect("a checker")
+    Checker::of_robots(files.load().expect("the example").cell).expect("a checker")
 }
 
 fn limits(checker: &Checker<JointTree>) -> [Vec<f64>; 2] {
@@ -198,12 +198,14 @@ fn tolerances_are_joints_of_the_robot_and_of_the_fixture() {
         <joint name="place" type="prismatic"><parent link="cell"/><child link="wall"/><origin xyz="1.3 0 0"/><axis xyz="1 0 0"/>
             <limit lower="-0.03" upper="0.03" effort="1" velocity="1"/></joint>
     </robot>"#;
-    let mut setup = Setup::new();
+    let mut setup = Cell::new();
     for (prefix, text) in [("", rod), ("fixture/", fixture)] {
         let robot = Robot::parse(text, "robot.urdf", &Packages::default(), &LoadOptions::default());
-        setup.robot(prefix, &robot.expect("a robot"), Isometry3::identity());
+        setup
+            .add_robot(prefix, &robot.expect("a robot"), Isometry3::identity())
+            .expect("a robot");
     }
-    let mut checker = setup.checker().expect("a checker");
+    let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-6));
     let all = audit(&mut checker, &options, &[], &mut |_| ControlFlow::Continue(())).expect("an audit");
     let [one] = &all[..] else { panic!("{all:?}") };
@@ -235,12 +237,14 @@ fn a_fixture_on_a_planar_or_floating_joint_has_a_pose_with_a_range() {
         ("planar", vec![place, place, tilt]),
         ("floating", vec![place, place, place, tilt, tilt, tilt]),
     ] {
-        let mut setup = Setup::new();
+        let mut setup = Cell::new();
         for (prefix, text) in [("", rod), ("fixture/", &fixture(kind))] {
             let robot = Robot::parse(text, "robot.urdf", &Packages::default(), &LoadOptions::default());
-            setup.robot(prefix, &robot.expect("a robot"), Isometry3::identity());
+            setup
+                .add_robot(prefix, &robot.expect("a robot"), Isometry3::identity())
+                .expect("a robot");
         }
-        let mut checker = setup.checker().expect("a checker");
+        let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
         let low: Vec<f64> = [0.5].into_iter().chain(half.iter().map(|h| -h)).collect();
         let high: Vec<f64> = [1.0].into_iter().chain(half.iter().copied()).collect();
         let options = RangeOptions::default().width(ClearanceWidth::Length(0.01));

@@ -7,7 +7,7 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, PairTracker, RelativePose, Shape};
 use lin_canny_plan::{CellBody, Checker, JointMotion, JointTree, Verdict};
-use lin_canny_robot::RobotFiles;
+use lin_canny_robot::{LoadedCell, RobotFiles};
 use truth::rng::Rng;
 
 /// Radius of the balls at the points.
@@ -62,8 +62,8 @@ fn camera(n: usize) -> Vec<[f32; 3]> {
 
 /// Returns a checker of the robot with the box over the points; pairs without the cloud are excluded.
 fn checker(holder: &Holder, points: &[[f32; 3]]) -> Checker<JointTree> {
-    let (_, setup) = RobotFiles::new(&holder.file).load().expect("a robot");
-    let mut checker = setup.checker().expect("a checker");
+    let LoadedCell { cell: setup, .. } = RobotFiles::new(&holder.file).load().expect("a robot");
+    let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     let cloud = Cloud::from_f32(points, CloudElement::Ball(RADIUS)).expect("points");
     checker
         .cell_mut()
@@ -95,7 +95,7 @@ fn configuration(rng: &mut Rng, limits: &[[f64; 2]]) -> Vec<f64> {
 
 /// Returns the limits of the coordinates of the robot.
 fn limits(holder: &Holder) -> Vec<[f64; 2]> {
-    let (robot, _) = RobotFiles::new(&holder.file).load().expect("a robot");
+    let LoadedCell { robot, .. } = RobotFiles::new(&holder.file).load().expect("a robot");
     robot.coordinates().iter().map(|c| c.limits).collect()
 }
 

@@ -1,10 +1,11 @@
 //! Elements that Drake adds to URDF.
 
+use lin_canny_robot::plan::{Cell, Checker};
 use std::path::Path;
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_robot::{FileError, FileErrorKind, LoadOptions, MeshUse, Packages, Robot, Setup};
+use lin_canny_robot::{FileError, FileErrorKind, LoadOptions, MeshUse, Packages, Robot};
 
 /// Links `a` to `e`, each but `e` with two balls, on joints to `a`, with elements below `robot`
 /// each in a line of its own from line 2 on.
@@ -87,9 +88,11 @@ fn groups_exclude_pairs_of_links() {
     // If all pairs are excluded, no pair is checked.
     let all = group("all", &(["a", "b", "c", "d"].map(link).concat() + &ignores("all")));
     for (elements, is_checked) in [(vec![], true), (vec![all.as_str()], false)] {
-        let mut setup = Setup::new();
-        setup.robot("", &read(&elements).expect("a robot"), Isometry3::identity());
-        let mut checker = setup.checker().expect("a checker");
+        let mut setup = Cell::new();
+        setup
+            .add_robot("", &read(&elements).expect("a robot"), Isometry3::identity())
+            .expect("a robot");
+        let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
         let near = checker.clearance(&[0.0; 4]).expect("a configuration");
         assert_eq!(near.is_some(), is_checked);
     }

@@ -9,7 +9,7 @@ use lin_canny::{Geometry, Mesh, Shape};
 use lin_canny_plan::{
     Cell, CellBody, Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, TreeJoint, Verdict,
 };
-use lin_canny_robot::RobotFiles;
+use lin_canny_robot::{LoadedCell, RobotFiles};
 use truth::rng::Rng;
 
 /// A configuration in contact is at most this far from a contact, in metres: the pose of a configuration and that of a segment
@@ -26,8 +26,8 @@ fn random_isometry(rng: &mut Rng, far: f64) -> Isometry3<f64> {
 fn among_obstacles(file: &Path, srdf: Option<PathBuf>, rng: &mut Rng) -> Checker<JointTree> {
     let mut files = RobotFiles::new(file);
     files.srdf = srdf;
-    let (_, setup) = files.load().expect("a robot");
-    let mut checker = setup.checker().expect("a checker");
+    let LoadedCell { cell: setup, .. } = files.load().expect("a robot");
+    let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     let size = 0.12 * checker.space().scales().iter().copied().fold(0.1, f64::max);
     add_obstacles(&mut checker, size, rng);
     checker

@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::BoxHint;
-use lin_canny_robot::plan::{CellBody, RangeOptions};
-use lin_canny_robot::{AuditVerdict, Coordinate, LoadOptions, MotionKind, Packages, Robot, Setup, audit};
+use lin_canny_robot::plan::{Cell, CellBody, Checker, RangeOptions};
+use lin_canny_robot::{AuditVerdict, Coordinate, LoadOptions, MotionKind, Packages, Robot, audit};
 
 fn parse(text: &str) -> Result<Robot, lin_canny_robot::FileError> {
     Robot::parse(text, "r.xml", &Packages::default(), &LoadOptions::default())
@@ -129,8 +129,8 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
             .iter()
             .filter(|c| !c.name.contains('/') || expected.contains_key(&c.name));
         assert_eq!(single.count(), expected.len(), "{name}");
-        let mut setup = Setup::new();
-        setup.robot("", &robot, Isometry3::identity());
+        let mut setup = Cell::new();
+        setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
         setup.exclude_adjacent();
         let bodies: Vec<&str> = model["bodies"]
             .as_array()
@@ -153,7 +153,7 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
         }
         assert!(of_link.is_empty(), "{name}: {of_link:?}");
         let space = setup.space().expect("a space");
-        let checker = setup.checker().expect("a checker");
+        let checker = Checker::of_robots(setup.clone()).expect("a checker");
         // A plane is an obstacle.
         let obstacles: Vec<Isometry3<f64>> = checker.cell().obstacles().map(|o| *o.2).collect();
         let (mut of_robot, mut of_obstacles) = (0.., 0..);
@@ -456,9 +456,9 @@ fn an_audit_does_not_hold_a_joint_without_limits() {
             "<mujoco><worldbody>{post}<body name='arm'><joint name='j' {joint}/>{arm}</body></worldbody>{rest}</mujoco>"
         );
         let robot = parse(&text).unwrap_or_else(|e| panic!("{text}: {e}"));
-        let mut setup = Setup::new();
-        setup.robot("", &robot, Isometry3::identity());
-        let mut checker = setup.checker().expect("a checker");
+        let mut setup = Cell::new();
+        setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
+        let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
         let found = audit(&mut checker, &RangeOptions::default(), &[], &mut |_| {
             ControlFlow::Continue(())
         });

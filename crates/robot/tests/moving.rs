@@ -1,12 +1,12 @@
 //! Moving obstacles and several robots on one clock: cells with timed poses, and trajectories of two arms.
 
-use lin_canny_plan::JointMotion;
+use lin_canny_plan::{Cell, JointMotion};
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_robot::plan::{CellBody, Checker, JointCurve, JointTree, Verdict};
 use lin_canny_robot::{
-    CellFile, FileError, LoadOptions, OtherRobot, Packages, Robot, RobotFiles, RobotRecorder, Setup, Trajectory,
+    CellFile, FileError, LoadOptions, LoadedCell, OtherRobot, Packages, Robot, RobotFiles, RobotRecorder, Trajectory,
 };
 use truth::rng::Rng;
 
@@ -38,12 +38,12 @@ fn with_poses(poses: &str) -> Result<CellFile, FileError> {
 
 fn checker(cell: &CellFile) -> Checker<JointTree> {
     let robot = Robot::load(examples().join("gripper.urdf"), &Packages::default()).expect("a robot");
-    let mut setup = Setup::new();
-    setup.robot("", &robot, Isometry3::identity());
+    let mut setup = Cell::new();
+    setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
     setup.exclude_adjacent();
-    setup.exclude("left finger", "right finger");
-    setup.cell(cell);
-    setup.checker().expect("a checker")
+    setup.exclude("left finger", "right finger").expect("names");
+    cell.add_to(&mut setup).expect("a cell");
+    Checker::of_robots(setup.clone()).expect("a checker")
 }
 
 #[test]
@@ -167,14 +167,15 @@ fn cells_with_poses_are_saved_bit_for_bit() {
     )
     .expect("a cell");
     let mut one = checker(&first);
-    let saved = CellFile::from_world(one.cell()).to_json().expect("a text");
+    let saved = CellFile::from_cell(one.cell()).to_json().expect("a text");
     let again = cell(&saved).expect("a cell");
     assert_eq!(
-        CellFile::from_world(checker(&again).cell()).to_json().expect("a text"),
+        CellFile::from_cell(checker(&again).cell()).to_json().expect("a text"),
         saved
     );
     for (a, b) in first.obstacles.iter().zip(&again.obstacles) {
-        assert_eq!((&a.name, &a.poses), (&b.name, &b.poses));
+        assert_eq!(a.poses, b.poses);
+        assert!(b.name.starts_with(&a.name), "{}", b.name);
     }
     let mut other = checker(&again);
     let (mut free, mut blocked) = (0, 0);
@@ -232,14 +233,14 @@ fn trolley() -> &'static str {
       <limit lower="-5" upper="5" effort="1" velocity="1"/></joint></robot>"#
 }
 
-fn two_trolleys(pose: Isometry3<f64>) -> Setup {
+fn two_trolleys(pose: Isometry3<f64>) -> Cell {
     let file = scratch("trolley.urdf", trolley());
     let mut files = RobotFiles::new(&file);
     files.others = vec![OtherRobot {
         pose,
         ..OtherRobot::new("b_", &file)
     }];
-    files.load().expect("two robots").1
+    files.load().expect("two robots").cell
 }
 
 #[test]
@@ -247,7 +248,7 @@ fn two_robots_exchange_places() {
     let setup = two_trolleys(Isometry3::identity());
     let names: Vec<&str> = setup.coordinates().iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["x", "y", "b_x", "b_y"]);
-    let mut checker = setup.checker().expect("a checker");
+    let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     let names: Vec<&str> = checker.cell().bodies().map(|b| b.1).collect();
     assert_eq!(names, ["base", "top", "b_base", "b_top"]);
     // Adjacent links of each robot are excluded; four pairs of both robots are left.
@@ -282,7 +283,7 @@ fn two_robots_exchange_places() {
     assert!(certify(&mut checker, aside).is_free());
     // On two rails 0.5 apart the trolleys pass, the boxes on top only if they are drawn in.
     let setup_of_two = two_trolleys(Isometry3::translation(0.0, 0.5, 0.0));
-    let mut checker = setup_of_two.checker().expect("a checker");
+    let mut checker = Checker::of_robots(setup_of_two).expect("a checker");
     assert!(certify(&mut checker, same).is_free());
     let verdict = certify(&mut checker, "time,x,y,b_x,b_y\n0,-2,0.2,2,-0.2\n4,2,0.2,-2,-0.2\n");
     assert!(matches!(verdict, Verdict::Blocked { pair, .. }
@@ -292,7 +293,7 @@ fn two_robots_exchange_places() {
                  0,-2,0,0.3,0,2,0,0,0\n2,0,2,0,0,0,-2,0,0\n4,2,0,0.3,0,-2,0,0,0\n";
     assert!(certify(&mut checker, cubic).is_free());
     // They arrive in contact at the end.
-    let mut checker = setup.checker().expect("a checker");
+    let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     let end = "time,x,y,b_x,b_y\n0,-2,0,2,0\n1,-1,0,1,0\n2,-0.2,0,0.2,0\n";
     let Verdict::Blocked {
         contact_at: t,
@@ -311,7 +312,7 @@ fn robots_of_equal_names_and_columns_are_errors() {
     let load = |others: &[&str]| {
         let mut files = RobotFiles::new(&file);
         files.others = others.iter().map(|prefix| OtherRobot::new(*prefix, &file)).collect();
-        files.load().map(|(_, setup)| setup)
+        files.load().map(|loaded| loaded.cell)
     };
     for others in [&["a", "a"][..], &["a", "b", "a"], &[""]] {
         let error = load(others).expect_err("an error").to_string();
@@ -361,14 +362,20 @@ fn judged(count: usize, places: u32, seed: u64) -> Counts {
         pose: Isometry3::new(Vector3::new(0.6, 0.0, 0.0), Vector3::z() * 3.0),
         ..OtherRobot::new("b_", examples().join("arm.urdf"))
     }];
-    let (_, mut setup) = files.load().expect("two arms");
+    let LoadedCell { cell: mut setup, .. } = files.load().expect("two arms");
     let rows = "time,x,y,z,qx,qy,qz,qw\n0,0.3,-0.8,0.6,0,0,0,1\n2,0.3,0.1,0.8,0,0,1,0\n3,0.3,0.8,0.9,0,0.6,0.8,0\n";
     scratch(&format!("between{seed}.csv"), rows);
     let poses = format!(r#""poses": {{"file": "between{seed}.csv"}}"#);
     let text = format!(r#"{{"bodies": [{{"name": "cart", "box": {{"size": [0.3, 0.2, 0.3]}}, {poses}}}]}}"#);
     let path = scratch(&format!("between{seed}.json"), &text);
-    setup.cell(&CellFile::load(path, &Packages::default(), &LoadOptions::default()).expect("a cell"));
-    let (mut checker, mut judge) = (setup.checker().expect("a checker"), setup.checker().expect("a checker"));
+    CellFile::load(path, &Packages::default(), &LoadOptions::default())
+        .expect("a cell")
+        .add_to(&mut setup)
+        .expect("a cell");
+    let (mut checker, mut judge) = (
+        Checker::of_robots(setup.clone()).expect("a checker"),
+        Checker::of_robots(setup.clone()).expect("a checker"),
+    );
     let (mut rng, mut counts) = (Rng::new(seed), Counts::default());
     let size = setup.coordinates().len();
     assert_eq!(size, 12);

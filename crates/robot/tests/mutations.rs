@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_plan::ConfigurationSpace;
-use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory};
+use lin_canny_plan::{Cell, ConfigurationSpace};
+use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Srdf, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -90,8 +90,8 @@ fn changed_urdfs_never_panic() {
         match Robot::parse(&changed, &path, &Packages::default(), &LoadOptions::default()) {
             Ok(robot) => {
                 read += 1;
-                let mut setup = Setup::new();
-                setup.robot("", &robot, Isometry3::identity());
+                let mut setup = Cell::new();
+                setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
                 let Ok(space) = setup.space() else { continue };
                 let q = space.sample(&mut || random.random::<f64>());
                 space.place(&q, &mut poses);

@@ -1,11 +1,12 @@
 //! Promise: clouds, voxels, half-spaces and height fields of a cell are what its file says, objects are attached, padded and
 //! excluded by name, and every wrong number is named.
 
+use lin_canny_robot::plan::Checker;
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{Geometry, GeometryKind, MeshKind, PairTracker, RelativePose, Shape};
-use lin_canny_robot::{AttachedBody, CellFile, LoadOptions, Packages, RobotFiles};
+use lin_canny_robot::{AttachedBody, CellFile, LoadOptions, LoadedCell, Packages, RobotFiles};
 
 fn folder() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scene");
@@ -203,7 +204,7 @@ fn wrong_bodies_are_named() {
 fn objects_are_attached_padded_and_excluded_by_name() {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let files = RobotFiles::new(examples.join("gripper.urdf"));
-    let (robot, plain) = files.load().expect("a robot");
+    let LoadedCell { robot, cell: plain, .. } = files.load().expect("a robot");
     let link = &robot.links()[robot.links().len() - 1].name;
     let text = r#"{"name": "rod", "capsule": {"radius": 0.01, "length": 2.0}, "xyz": [0, 0, 1.2]}"#;
     let rod = AttachedBody::load(write("rod.json", text), &Packages::default(), &LoadOptions::default());
@@ -211,13 +212,15 @@ fn objects_are_attached_padded_and_excluded_by_name() {
     let home = vec![0.0; plain.coordinates().len()];
 
     let mut setup = plain.clone();
-    setup.attach(link, rod.clone());
-    setup.obstacle(
-        "ball",
-        Shape::ball(0.1).expect("a ball"),
-        Isometry3::translation(5.0, 5.0, 5.0),
-    );
-    let mut checker = setup.checker().expect("a checker");
+    rod.clone().attach_to(&mut setup, link).expect("a link");
+    setup
+        .add_obstacle(
+            "ball",
+            Shape::ball(0.1).expect("a ball"),
+            Isometry3::translation(5.0, 5.0, 5.0),
+        )
+        .expect("an obstacle");
+    let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     let near = checker.nearest(&home, f64::INFINITY).expect("pairs");
     let names = |pair: &lin_canny_robot::plan::CellPair| [pair.a, pair.b].map(|id| checker.name(id).to_owned());
     let before = near
@@ -226,33 +229,25 @@ fn objects_are_attached_padded_and_excluded_by_name() {
     let before = before.expect("the pair of the rod and the ball").clone();
     is(before.excess, before.distance);
 
-    setup.pad("rod", 0.02);
-    setup.pad("ball", 0.01);
-    let mut padded = setup.checker().expect("a checker");
+    setup.pad("rod", 0.02).expect("a padding");
+    setup.pad("ball", 0.01).expect("a padding");
+    let mut padded = Checker::of_robots(setup.clone()).expect("a checker");
     let near = padded.nearest(&home, f64::INFINITY).expect("pairs");
     let after = near.iter().find(|n| n.pair == before.pair).expect("the pair");
     is(after.distance, before.distance);
     is(after.excess, before.distance - 0.03);
 
-    setup.exclude("rod", "ball");
-    let mut excluded = setup.checker().expect("a checker");
+    setup.exclude("rod", "ball").expect("names");
+    let mut excluded = Checker::of_robots(setup.clone()).expect("a checker");
     let near = excluded.nearest(&home, f64::INFINITY).expect("pairs");
     assert!(near.iter().all(|n| n.pair != before.pair));
 
-    for (change, expected) in [
-        (
-            Box::new(|s: &mut lin_canny_robot::Setup| s.pad("rood", 0.1)) as Box<dyn Fn(&mut _)>,
-            "rood",
-        ),
-        (Box::new(|s: &mut lin_canny_robot::Setup| s.pad("rod", -0.1)), "-0.1"),
-        (
-            Box::new(move |s: &mut lin_canny_robot::Setup| s.attach("hnad", rod.clone())),
-            "hnad",
-        ),
-    ] {
-        let mut wrong = setup.clone();
-        change(&mut wrong);
-        let error = wrong.checker().err().expect("an error").to_string();
-        assert!(error.contains(expected), "{error}");
-    }
+    let error = setup.pad("rood", 0.1).expect_err("a misspelt name");
+    assert!(error.to_string().contains("rood"), "{error}");
+    let error = setup.pad("rod", -0.1).expect_err("a negative padding");
+    assert!(error.to_string().contains("-0.1"), "{error}");
+    let error = rod.attach_to(&mut setup, "hnad").expect_err("a misspelt link");
+    assert!(error.to_string().contains("hnad"), "{error}");
+    let error = rod.attach_to(&mut setup, link).expect_err("a second rod");
+    assert!(error.to_string().contains("taken"), "{error}");
 }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use lin_canny_plan::{CellBody, ConfigurationSpace};
-use lin_canny_robot::{CellFile, FileError, FileErrorKind, LoadOptions, MotionKind, Packages, Robot, Setup};
+use lin_canny_plan::{Cell, CellBody, Checker, ConfigurationSpace};
+use lin_canny_robot::{CellFile, FileError, FileErrorKind, LoadOptions, MotionKind, Packages, Robot};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -43,8 +43,8 @@ const AXIS: &str = "<axis><xyz>0 0 1</xyz></axis>";
 
 /// The poses of all bodies at a configuration, in the order of the links.
 fn poses_at(robot: &Robot, q: &[f64]) -> Vec<(String, Isometry3<f64>)> {
-    let mut setup = Setup::new();
-    setup.robot("", robot, Isometry3::identity());
+    let mut setup = Cell::new();
+    setup.add_robot("", robot, Isometry3::identity()).expect("a robot");
     let mut poses = Vec::new();
     setup.space().expect("a space").place(q, &mut poses);
     let names = robot
@@ -802,9 +802,9 @@ fn what_is_left_out_is_listed_with_its_line() {
         let path = folder.join("r.sdf");
         let cell = CellFile::parse(&text, path, &Packages::default(), &LoadOptions::default()).expect("a cell");
         assert_eq!(cell.skipped, robot.skipped());
-        let mut setup = Setup::new();
-        setup.cell(&cell);
-        assert_eq!(setup.skipped(), robot.skipped());
+        let mut setup = Cell::new();
+        let noted = cell.add_to(&mut setup).expect("a cell");
+        assert_eq!(noted[..cell.skipped.len()], cell.skipped[..]);
     }
     let (text, line) = with("axis", "<initial_position>0.5</initial_position>");
     let robot = parse_in(&folder, &text).expect("a robot");
@@ -1250,17 +1250,18 @@ fn a_plane_of_a_robot_is_a_half_space_unless_it_moves() {
     let kind = |robot: &Robot, k: usize| robot.links()[1].bodies[k].geometry.kind();
     assert_eq!(kind(&robot, 0), lin_canny::GeometryKind::HalfSpace);
     let setup = || {
-        let mut setup = Setup::new();
-        setup.robot("r/", &robot, Isometry3::translation(1e6, -1e6, 0.5));
+        let mut setup = Cell::new();
+        setup
+            .add_robot("r/", &robot, Isometry3::translation(1e6, -1e6, 0.5))
+            .expect("a robot");
         setup
     };
     let mut first = setup();
-    first.obstacle(
-        "post",
-        lin_canny::Shape::ball(0.5).expect("a ball"),
-        Isometry3::translation(1e6, 0.0, 0.0),
-    );
-    let mut checker = first.checker().expect("a checker");
+    let post = lin_canny::Shape::ball(0.5).expect("a ball");
+    first
+        .add_obstacle("post", post, Isometry3::translation(1e6, 0.0, 0.0))
+        .expect("an obstacle");
+    let mut checker = Checker::of_robots(first).expect("a checker");
     let (name, _, pose) = checker.cell().obstacles().next().expect("an obstacle");
     assert_eq!((name, pose.translation.vector), ("r/a", Vector3::new(1e6, -1e6, 10.5)));
     // The ceiling is at a height of 1 above the link, whose box b has a half side of 0.5.
@@ -1275,10 +1276,10 @@ fn a_plane_of_a_robot_is_a_half_space_unless_it_moves() {
     assert_eq!(rest, 1, "the box of the link a is at rest as well");
 
     // Saved with the world, the plane is not added a second time.
-    let text = CellFile::from_world(checker.cell()).to_json().expect("a cell");
+    let text = CellFile::from_cell(checker.cell()).to_json().expect("a cell");
     let mut again = setup();
-    again.cell(&cell(&text).expect("a cell"));
-    let mut again = again.checker().expect("a checker");
+    cell(&text).expect("a cell").add_to(&mut again).expect("a cell");
+    let mut again = Checker::of_robots(again.clone()).expect("a checker");
     assert_eq!(again.cell().obstacles().len(), 2);
     assert_eq!(again.nearest(&[0.25], f64::INFINITY).expect("pairs"), near);
 
@@ -1960,9 +1961,9 @@ fn masks_exclude_the_pairs_that_share_no_bit() {
     ] {
         let robot = parse(&world(&format!("<model name=\"m\">{}</model>", links(&bodies)))).expect("a robot");
         assert_eq!(robot.excluded(), expected);
-        let mut setup = Setup::new();
-        setup.robot("", &robot, Isometry3::identity());
-        let mut checker = setup.checker().expect("a checker");
+        let mut setup = Cell::new();
+        setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
+        let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
         let is_free = checker.is_free_at(robot.start()).expect("an answer");
         assert_eq!(
             is_free,
@@ -2107,12 +2108,12 @@ fn the_example_is_a_robot_and_a_cell() {
     let names: Vec<&str> = robot.coordinates().iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names[..3], ["arm::shoulder", "arm::elbow", "arm::left_slide"]);
     assert_eq!(names.len(), 9);
-    let mut setup = Setup::new();
-    setup.robot("", &robot, Isometry3::identity());
+    let mut setup = Cell::new();
+    setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
     setup.exclude_adjacent();
     // The column stands on the table.
-    setup.exclude("table::top", "arm::base");
-    let mut checker = setup.checker().expect("a checker");
+    setup.exclude("table::top", "arm::base").expect("names");
+    let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     let mut q = robot.start().to_vec();
     assert!(checker.is_free_at(&q).expect("an answer"));
     // Both fingers close by the value of one.
@@ -2205,8 +2206,8 @@ fn changed_files_never_panic() {
             Ok(robot) => {
                 read += 1;
                 assert_eq!(robot.links().len(), robot.joints().len() + 1);
-                let mut setup = Setup::new();
-                setup.robot("", &robot, Isometry3::identity());
+                let mut setup = Cell::new();
+                setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
                 let Ok(space) = setup.space() else { continue };
                 space.place(robot.start(), &mut poses);
                 let is_finite = |p: &Isometry3<f64>| p.to_homogeneous().iter().all(|x| x.is_finite());

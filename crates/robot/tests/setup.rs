@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::{PairTracker, Progress, RelativePose};
-use lin_canny_plan::{ConfigurationSpace, Joint, JointKind, JointMotion, JointTree, SegmentMotion, Verdict};
+use lin_canny_plan::{
+    Cell, Checker, ConfigurationSpace, Joint, JointKind, JointMotion, JointTree, SegmentMotion, Verdict,
+};
 use lin_canny_robot::{
-    CellFile, ExcludeReason, LoadOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_excludable,
+    CellFile, ExcludeReason, LoadOptions, MeshUse, MotionKind, Packages, Robot, Srdf, find_excludable,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -20,20 +22,20 @@ fn gripper(usage: MeshUse) -> Robot {
     Robot::load_with(examples().join("gripper.urdf"), &Packages::default(), &options).expect("the example")
 }
 
-fn setup(robot: &Robot) -> Setup {
-    let mut setup = Setup::new();
-    setup.robot("", robot, Isometry3::identity());
+fn setup(robot: &Robot) -> Cell {
+    let mut setup = Cell::new();
+    setup.add_robot("", robot, Isometry3::identity()).expect("a robot");
     setup.exclude_adjacent();
-    setup.exclude_srdf(
-        "",
-        &Srdf::load(examples().join("gripper.srdf"), robot).expect("the example"),
-    );
+    Srdf::load(examples().join("gripper.srdf"), robot)
+        .expect("the example")
+        .exclude_in(&mut setup, "")
+        .expect("links");
     let cell = CellFile::load(
         examples().join("cell.json"),
         &Packages::default(),
         &LoadOptions::default(),
     );
-    setup.cell(&cell.expect("the example"));
+    cell.expect("the example").add_to(&mut setup).expect("a cell");
     setup
 }
 
@@ -90,8 +92,8 @@ fn bodies_stand_where_the_joints_put_them() {
         Vector3::new(0.5, 0.25, 0.0).into(),
         UnitQuaternion::from_euler_angles(0.0, 1.0, 0.0),
     );
-    let mut setup = Setup::new();
-    setup.robot("", &robot, base);
+    let mut setup = Cell::new();
+    setup.add_robot("", &robot, base).expect("a robot");
     let space = setup.space().expect("a space");
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let mut poses = vec![];
@@ -103,7 +105,8 @@ fn bodies_stand_where_the_joints_put_them() {
         for (link, pose) in robot.links().iter().zip(&links) {
             expected.extend(link.bodies.iter().map(|body| pose * body.origin));
         }
-        assert_eq!(poses.len(), expected.len());
+        // Frames of links that are not those of a body come last.
+        assert!(poses.len() >= expected.len());
         for (pose, expected) in poses.iter().zip(&expected) {
             assert!(off(pose, expected) < 1e-12, "{:e}", off(pose, expected));
         }
@@ -158,7 +161,7 @@ fn a_chain_is_a_serial_arm() {
 fn certified_segments_are_judged_right() {
     let robot = gripper(MeshUse::Mesh);
     let setup = setup(&robot);
-    let mut checker = setup.checker().expect("a checker");
+    let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let (mut free, mut blocked) = (0, 0);
     for _ in 0..1000 {
@@ -272,14 +275,16 @@ impl Judge {
 #[test]
 fn two_robots_stand_in_one_cell() {
     let robot = gripper(MeshUse::Hull);
-    let mut setup = Setup::new();
+    let mut setup = Cell::new();
     for (prefix, x) in [("left/", 0.0), ("right/", 1.0)] {
-        setup.robot(prefix, &robot, Isometry3::translation(x, 0.0, 0.0));
+        setup
+            .add_robot(prefix, &robot, Isometry3::translation(x, 0.0, 0.0))
+            .expect("a robot");
     }
     setup.exclude_adjacent();
     let names: Vec<&str> = setup.coordinates().iter().map(|c| c.name.as_str()).collect();
     assert_eq!((names.len(), names[0], names[13]), (14, "left/turn", "right/left"));
-    let mut checker = setup.checker().expect("a checker");
+    let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     let mut q = vec![0.0; 14];
     (q[1], q[8]) = (1.5, -1.5);
     let near = checker.clearance(&q).expect("a configuration").expect("a pair");
@@ -288,15 +293,8 @@ fn two_robots_stand_in_one_cell() {
         near.distance <= 0.0 && names[0].starts_with("left/") && names[1].starts_with("right/"),
         "{names:?}"
     );
-    setup.exclude("left/base", "nothing");
-    assert!(
-        setup
-            .checker()
-            .err()
-            .expect("no such name")
-            .to_string()
-            .contains("nothing")
-    );
+    let error = setup.exclude("left/base", "nothing").expect_err("no such name");
+    assert!(error.to_string().contains("nothing"), "{error}");
 }
 
 #[test]
@@ -311,8 +309,8 @@ fn excludable_pairs_are_counted_and_written() {
   <joint name="l" type="continuous"><parent link="c"/><child link="far"/><origin xyz="9 0 0"/></joint>
   <joint name="m" type="continuous"><parent link="c"/><child link="over"/></joint></robot>"#;
     let robot = Robot::parse(text, "r.urdf", &Packages::default(), &LoadOptions::default()).expect("a robot");
-    let mut setup = Setup::new();
-    setup.robot("", &robot, Isometry3::identity());
+    let mut setup = Cell::new();
+    setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
     let mut calls = 0;
     let counts = find_excludable(&setup, 2000, 7, &mut |progress| {
         calls += 1;
@@ -384,14 +382,16 @@ fn links_without_size_are_checked() {
   <limit lower=\"-9\" upper=\"9\"/></joint></robot>"
         );
         let robot = Robot::parse(&text, "r.urdf", &Packages::default(), &LoadOptions::default()).expect("a robot");
-        let mut setup = Setup::new();
-        setup.robot("", &robot, Isometry3::identity());
-        setup.obstacle(
-            "ball",
-            lin_canny::Shape::ball(1.0).expect("a ball"),
-            Isometry3::identity(),
-        );
-        let mut checker = setup.checker().expect("a checker");
+        let mut setup = Cell::new();
+        setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
+        setup
+            .add_obstacle(
+                "ball",
+                lin_canny::Shape::ball(1.0).expect("a ball"),
+                Isometry3::identity(),
+            )
+            .expect("an obstacle");
+        let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
         let near = checker.clearance(&[3.0]).expect("a configuration").expect("a pair");
         assert!(
             (near.distance - 2.0).abs() < 1e-12 && near.lower <= 2.0 && near.upper >= 2.0,
@@ -479,10 +479,10 @@ fn what_is_skipped_in_groups_is_not_of_the_setup() {
         <disable_collisions link1=\"base\" link2=\"x\"/>";
     let (robot, srdf) = srdf(text).expect("an SRDF");
     assert_eq!(srdf.skipped.len(), 5);
-    let mut setup = Setup::new();
-    setup.robot("", &robot, Isometry3::identity());
-    setup.exclude_srdf("", &srdf);
-    assert_eq!(setup.skipped(), &srdf.skipped[4..]);
+    let mut setup = Cell::new();
+    setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
+    srdf.exclude_in(&mut setup, "").expect("links");
+    assert!(srdf.skipped_pairs().eq(&srdf.skipped[4..]));
 }
 
 #[test]
@@ -511,12 +511,12 @@ fn links_without_default_collisions_are_checked_only_where_enabled() {
     // Adjacent links are checked if their pair is enabled.
     let overlaps = |text: &str| {
         let (robot, srdf) = srdf(text).expect("an SRDF");
-        let mut setup = Setup::new();
-        setup.robot("r/", &robot, Isometry3::identity());
+        let mut setup = Cell::new();
+        setup.add_robot("r/", &robot, Isometry3::identity()).expect("a robot");
         setup.exclude_adjacent();
-        setup.exclude_srdf("r/", &srdf);
-        assert_eq!(setup.skipped(), srdf.skipped);
-        let mut checker = setup.checker().expect("a checker");
+        srdf.exclude_in(&mut setup, "r/").expect("links");
+        assert!(srdf.skipped_pairs().eq(&srdf.skipped));
+        let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
         checker.clearance(&[0.0; 3]).expect("a configuration").is_some()
     };
     let rest = "<disable_default_collisions link=\"base\"/><disable_collisions link1=\"arm\" link2=\"tool\"/>";
@@ -572,11 +572,8 @@ fn unknown_elements_of_an_srdf_are_errors_with_their_line() {
 fn objects_are_attached_to_links_whose_bodies_have_other_frames() {
     let robot = gripper(MeshUse::Hull);
     let setup = setup(&robot);
-    let mut checker = setup.checker().expect("a setup");
-    assert_eq!(
-        setup.space().expect("a space").bodies(),
-        checker.cell().robot_bodies().len()
-    );
+    let mut checker = Checker::of_robots(setup.clone()).expect("a setup");
+    assert_eq!(setup.space().expect("a space").bodies(), checker.space().bodies());
     let mut random = ChaCha8Rng::seed_from_u64(5);
     let grip = Isometry3::translation(0.0, 0.0, 0.12);
     let fingers = ["left finger", "right finger"];
@@ -611,76 +608,64 @@ fn objects_are_attached_to_links_whose_bodies_have_other_frames() {
 #[test]
 fn excluded_pairs_are_written_as_an_srdf_and_read_again() {
     let robot = gripper(MeshUse::Hull);
-    let mut before = Setup::new();
-    before.robot("r/", &robot, Isometry3::identity());
+    let mut before = Cell::new();
+    before.add_robot("r/", &robot, Isometry3::identity()).expect("a robot");
     before.exclude_adjacent();
-    before.exclude("r/left finger", "r/right finger");
-    before.include("r/base", "r/shoulder");
-    let srdf = Srdf::from_setup(&before, "r/", &robot);
+    before.exclude("r/left finger", "r/right finger").expect("names");
+    before.include("r/base", "r/shoulder").expect("names");
+    let srdf = Srdf::from_cell(&before, "r/", &robot);
     assert_eq!(srdf.excluded.len(), before.excluded().len());
     let read = Srdf::parse(&srdf.text("gripper"), "gripper.srdf", &robot).expect("an SRDF");
     assert_eq!(read.excluded, srdf.excluded);
-    let mut after = Setup::new();
-    after.robot("r/", &robot, Isometry3::identity());
-    after.exclude_srdf("r/", &read);
-    let [a, b] = [before, after].map(|setup| setup.checker().expect("a setup"));
+    let mut after = Cell::new();
+    after.add_robot("r/", &robot, Isometry3::identity()).expect("a robot");
+    read.exclude_in(&mut after, "r/").expect("links");
+    let [a, b] = [before, after].map(|setup| Checker::of_robots(setup.clone()).expect("a setup"));
     assert!(a.cell().excluded().eq(b.cell().excluded()));
-    let of_world = Srdf::from_world(a.cell(), "r/", &robot, "User");
-    assert_eq!(of_world.excluded.len(), srdf.excluded.len());
+    assert_eq!(
+        a.cell().excluded_names(),
+        b.cell().excluded_names(),
+        "the reasons as well"
+    );
 }
 
-/// The robot's part of the checkers is made once, and again after each change of the robots, their
-/// limits or their pairs.
+/// A cell is changed at any time, and a copy of it is another cell.
 #[test]
-fn checkers_of_one_setup_share_the_robot() {
+fn copies_of_a_cell_are_changed_alone() {
     let robot = gripper(MeshUse::Hull);
-    let of_robot = || {
-        let mut setup = Setup::new();
-        setup.robot("", &robot, Isometry3::identity());
-        setup.exclude_adjacent();
-        setup
+    let mut base = Cell::new();
+    base.add_robot("", &robot, Isometry3::identity()).expect("a robot");
+    base.exclude_adjacent();
+    let excluded = |cell: &Cell| {
+        let names = cell.excluded_names();
+        let names = names.iter().map(|(pair, _)| pair.map(str::to_owned));
+        names.collect::<Vec<_>>()
     };
-    let excluded = |setup: &Setup| {
-        let checker = setup.checker().expect("a setup");
-        let names = checker.cell().excluded_names();
-        names.iter().map(|pair| pair.map(str::to_owned)).collect::<Vec<_>>()
-    };
-    let base = of_robot();
     let adjacent = excluded(&base);
     assert!(!adjacent.is_empty());
-    let ball = lin_canny::Shape::ball(0.05).expect("a ball");
     let far = shift(Vector3::new(3.0, 0.0, 0.0));
-    // Cells of clones and of fresh setups are equal; an obstacle may have the name of a link.
     let [link, other] = [adjacent[0][0].clone(), adjacent[0][1].clone()];
-    for name in ["ball", link.as_str()] {
-        let [mut cell, mut fresh] = [base.clone(), of_robot()];
-        for setup in [&mut cell, &mut fresh] {
-            setup.obstacle(name, ball.clone(), far);
-        }
-        let [cell, fresh] = [&cell, &fresh].map(|setup| setup.checker().expect("a setup"));
-        assert!(cell.cell().excluded().eq(fresh.cell().excluded()), "{name}");
-        let count = cell.cell().excluded().len();
-        assert_eq!(
-            count > base.checker().expect("a setup").cell().excluded().len(),
-            name == link
-        );
-    }
+    // Names are unique, and a failed call changes nothing.
+    let before = format!("{base:?}");
+    let ball = lin_canny::Shape::ball(0.05).expect("a ball");
+    base.add_obstacle(&link, ball, far).expect_err("the name of a link");
+    base.add_robot("", &robot, far).expect_err("the names of its links");
+    assert_eq!(format!("{base:?}"), before);
     assert_eq!(excluded(&base), adjacent);
     // Changes after the first checker.
     let mut changed = base.clone();
-    changed.include(&link, &other);
+    changed.include(&link, &other).expect("names");
     assert_eq!(excluded(&changed).len(), adjacent.len() - 1);
-    changed.exclude(&other, &link);
+    changed.exclude(&other, &link).expect("names");
     assert_eq!(excluded(&changed), adjacent);
-    let width = |setup: &Setup| {
-        let checker = setup.checker().expect("a setup");
+    let width = |setup: &Cell| {
+        let checker = Checker::of_robots(setup.clone()).expect("a setup");
         let [low, high] = checker.space().bounds()[0];
         high - low
     };
     let before = width(&changed);
     changed.widen_limits(0.25);
     assert_eq!(width(&changed), before + 0.5);
-    changed.robot("b_", &robot, far);
-    let bodies = changed.checker().expect("a setup").cell().robot_bodies().len();
-    assert_eq!(bodies, 2 * base.checker().expect("a setup").cell().robot_bodies().len());
+    changed.add_robot("b_", &robot, far).expect("a robot");
+    assert_eq!(changed.robot_bodies().len(), 2 * base.robot_bodies().len());
 }

@@ -1,13 +1,14 @@
 //! The program behind the example of studies: an arm of six axes with links of hulls, among 40 bodies. `LIN_CANNY_WRITE=1` writes its
 //! files again.
 
+use lin_canny_robot::plan::Checker;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use lin_canny_robot::RobotFiles;
 use lin_canny_robot::lin_canny::ConvexPolyhedron;
 use lin_canny_robot::lin_canny::nalgebra::Point3;
+use lin_canny_robot::{LoadedCell, RobotFiles};
 
 type Trouble = Box<dyn std::error::Error>;
 
@@ -69,9 +70,9 @@ fn forty_bodies_stand_about_six_axes() -> Result<(), Trouble> {
     let mut files = RobotFiles::new(folder.join("six_axis.urdf"));
     files.cell = Some(folder.join("six_axis_cell.json"));
     files.srdf = Some(folder.join("six_axis.srdf"));
-    let (robot, setup) = files.load()?;
+    let LoadedCell { robot, cell: setup, .. } = files.load()?;
     assert_eq!((robot.coordinates().len(), robot.links().len()), (6, 7));
-    let mut checker = setup.checker()?;
+    let mut checker = Checker::of_robots(setup.clone())?;
     assert_eq!(checker.cell().obstacles().len(), 40);
     let near = checker.clearance(&[0.0; 6])?.ok_or("no pair")?;
     assert!(near.lower > 0.0, "upright, the arm is free: {near:?}");

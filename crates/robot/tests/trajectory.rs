@@ -2,9 +2,9 @@
 //! written and read.
 
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_plan::JointMotion;
+use lin_canny_plan::{Cell, Checker, JointMotion};
 use lin_canny_robot::plan::{SmoothOptions, Smoother};
-use lin_canny_robot::{CellFile, FileError, LoadOptions, Packages, Robot, Setup, Trajectory};
+use lin_canny_robot::{CellFile, FileError, LoadOptions, Packages, Robot, Trajectory};
 
 fn robot() -> Robot {
     let joint = |name: &str, parent: &str| {
@@ -324,11 +324,14 @@ fn smooth_motions_are_read_back_bit_for_bit_and_proven() {
     let packages = Packages::default();
     let robot = Robot::load(folder.join("arm.urdf"), &packages).expect("a robot");
     assert!(robot.coordinates().iter().all(|c| c.velocity == Some(2.0)));
-    let mut setup = Setup::new();
-    setup.robot("", &robot, Isometry3::identity());
+    let mut setup = Cell::new();
+    setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
     setup.exclude_adjacent();
-    setup.cell(&CellFile::load(folder.join("cell.json"), &packages, &LoadOptions::default()).expect("a cell"));
-    let mut checker = setup.checker().expect("a checker");
+    CellFile::load(folder.join("cell.json"), &packages, &LoadOptions::default())
+        .expect("a cell")
+        .add_to(&mut setup)
+        .expect("a cell");
+    let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     let mut rng = truth::rng::Rng::new(3);
     let mut stops = 0;
     for round in 0..20 {

@@ -11,7 +11,7 @@ use lin_canny_robot::lin_canny::{
 };
 use lin_canny_robot::plan::{Cell, CellBody, Checker, ConfigurationSpace, JointTree};
 use lin_canny_robot::record::{Cursor, Recording};
-use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, RobotRecorder, Setup};
+use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, RobotRecorder};
 use truth::rng::Rng;
 
 /// An arm of three links, of which one has two bodies, and a tool without bodies.
@@ -34,10 +34,10 @@ const ARM: &str = r#"<robot name="arm">
 </robot>"#;
 
 /// The setup of the arm with adjacent links excluded.
-fn setup() -> Setup {
+fn setup() -> Cell {
     let robot = Robot::parse(ARM, "arm.urdf", &Packages::default(), &LoadOptions::default()).expect("an arm");
-    let mut setup = Setup::new();
-    setup.robot("", &robot, Isometry3::identity());
+    let mut setup = Cell::new();
+    setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
     setup.exclude_adjacent();
     setup
 }
@@ -49,10 +49,13 @@ fn parse(text: &str) -> Result<CellFile, String> {
 
 /// The checker of a world that was saved and loaded.
 fn reloaded(cell: &Cell) -> Checker<JointTree> {
-    let text = CellFile::from_world(cell).to_json().expect("a world");
+    let text = CellFile::from_cell(cell).to_json().expect("a world");
     let mut setup = setup();
-    setup.cell(&parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}")));
-    setup.checker().unwrap_or_else(|error| panic!("{error}\n{text}"))
+    parse(&text)
+        .unwrap_or_else(|error| panic!("{error}\n{text}"))
+        .add_to(&mut setup)
+        .expect("a cell");
+    Checker::of_robots(setup.clone()).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
 fn pose(rng: &mut Rng, far: f64) -> Isometry3<f64> {
@@ -193,7 +196,7 @@ fn judge(sequences: usize, changes: usize, seed: u64) {
     let (mut free, mut removed) = (0, 0);
     for k in 0..sequences {
         let mut rng = Rng::new(seed + k as u64);
-        let mut checker = setup().checker().expect("a checker");
+        let mut checker = Checker::of_robots(setup()).expect("a checker");
         checker.cell_mut().set_margin(0.02).expect("a margin");
         for step in 0..changes {
             change(&mut checker, &mut rng);
@@ -237,7 +240,7 @@ fn a_world_that_was_saved_and_loaded_answers_as_before_1000_times() {
 
 #[test]
 fn solids_have_their_names_in_the_file() {
-    let mut checker = setup().checker().expect("a checker");
+    let mut checker = Checker::of_robots(setup()).expect("a checker");
     let at = Isometry3::translation(0.0, 0.0, 2.0);
     let block = solids::cuboid(Vector3::new(0.1, 0.2, 0.3)).expect("a box");
     for (name, geometry) in [
@@ -246,14 +249,14 @@ fn solids_have_their_names_in_the_file() {
         ("c", Shape::capsule(0.1, 0.2).expect("a capsule").into()),
         ("d", Shape::cone(0.1, 0.2).expect("a cone").into()),
         ("e", HalfSpace::new(Vector3::z(), -2.5).expect("a half-space").into()),
-        ("e", Mesh::from_convex(&block).expect("a mesh").into()),
+        ("f", Mesh::from_convex(&block).expect("a mesh").into()),
     ] {
         checker
             .cell_mut()
             .add_obstacle(name, geometry, at)
             .expect("an obstacle");
     }
-    checker.cell_mut().pad("e", 0.01).expect("a padding");
+    checker.cell_mut().pad("f", 0.01).expect("a padding");
     checker.cell_mut().pad("a", 0.02).expect("a padding");
     checker.cell_mut().include("upper", "fore").expect("links");
     checker.cell_mut().exclude("hand", "e").expect("bodies");
@@ -261,7 +264,7 @@ fn solids_have_their_names_in_the_file() {
         .cell_mut()
         .exclude(CellBody::Robot(1), CellBody::Obstacle(0))
         .expect("bodies");
-    let text = CellFile::from_world(checker.cell()).to_json().expect("a world");
+    let text = CellFile::from_cell(checker.cell()).to_json().expect("a world");
     for part in [
         r#"{"name":"a","box":{"size":[0.2,0.4,0.6]},"xyz":[0.0,0.0,2.0],"xyzw":[0.0,0.0,0.0,1.0]}"#,
         r#""sphere":{"radius":0.1}"#,
@@ -271,14 +274,14 @@ fn solids_have_their_names_in_the_file() {
         r#""geometry":{"Mesh":"#,
         r#"["e","hand"]"#,
         r#"[["fore",0],"a"]"#,
-        r#"[["e",1],0.01]"#,
+        r#"["f",0.01]"#,
         r#"["a",0.02]"#,
     ] {
         assert!(text.contains(part), "{part}\n{text}");
     }
     assert!(!text.contains(r#"["fore","upper"]"#), "{text}");
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("saved.json");
-    CellFile::from_world(checker.cell()).save(&file).expect("a file");
+    CellFile::from_cell(checker.cell()).save(&file).expect("a file");
     let cell = CellFile::load(&file, &Packages::default(), &LoadOptions::default()).expect("a cell");
     assert_eq!(cell.to_json().expect("a cell"), text);
 }
@@ -288,8 +291,9 @@ fn wrong_worlds_are_named() {
     let body = r#"{"name": "x", "sphere": {"radius": 1}, "xyz": [0, 9, 0]}"#;
     let checker = |more: &str| {
         let mut setup = setup();
-        setup.cell(&parse(&format!("{{\"bodies\": [{body}, {body}], {more}}}"))?);
-        setup.checker().map_err(|error| error.to_string())
+        let file = parse(&format!("{{\"bodies\": [{body}, {body}], {more}}}"))?;
+        file.add_to(&mut setup).map_err(|error| error.to_string())?;
+        Checker::of_robots(setup.clone()).map_err(|error| error.to_string())
     };
     for (more, expected) in [
         (r#""paddings": [["y", 1]]"#, "body \"y\" does not exist"),
@@ -342,20 +346,20 @@ fn wrong_worlds_are_named() {
     checker
         .cell_mut()
         .add_obstacle(
-            "x",
+            "x#3",
             Shape::ball(1.0).expect("a ball"),
             Isometry3::translation(0.0, 9.0, 0.0),
         )
         .expect("a ball");
-    let mut cell = CellFile::from_world(checker.cell());
+    let mut cell = CellFile::from_cell(checker.cell());
     cell.obstacles[2].pose.translation.x = f64::NAN;
     let error = cell.to_json().err().map(|error| error.to_string()).unwrap_or_default();
-    assert!(error.starts_with("cell.json: \"x\": "), "{error}");
+    assert!(error.starts_with("cell.json: \"x#3\": "), "{error}");
 }
 
 #[test]
 fn a_recording_shows_the_world_as_it_is_in_each_frame() {
-    let mut checker = setup().checker().expect("a checker");
+    let mut checker = Checker::of_robots(setup()).expect("a checker");
     let q = [0.0, 0.0, 0.1];
     let at = |x: f64| Isometry3::translation(x, 0.0, 2.0);
     let ball = Geometry::from(Shape::ball(0.1).expect("a ball"));

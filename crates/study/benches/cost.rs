@@ -10,6 +10,7 @@ use clap::Parser;
 use datafusion::arrow::array::AsArray;
 use datafusion::arrow::datatypes::Float64Type;
 use lin_canny_study::robot::RobotFiles;
+use lin_canny_study::robot::plan::Checker;
 use lin_canny_study::sampled::Source;
 use lin_canny_study::{Format, Input, Run, RunOptions, RunProgress, Study, StudyOptions};
 
@@ -53,7 +54,7 @@ fn main() -> Result<(), Trouble> {
         ("loop that forgets", 1),
         ("loop that forgets by blocks", BLOCK),
     ] {
-        let mut checker = study.setup().checker()?;
+        let mut checker = Checker::of_robots(study.cell().clone())?;
         let (began, mut least) = (Instant::now(), f64::INFINITY);
         for k in 0..rows.num_rows() {
             if k % every == 0 {

@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use lin_canny_plan::{Checker, JointTree, Cell};
-use lin_canny_robot::{Coordinate, RobotFiles, Setup};
+use lin_canny_plan::{Cell, Checker, Coordinate, JointTree};
+use lin_canny_robot::{LoadedCell, RobotFiles, Skipped};
 
 use crate::error::StudyError;
 
@@ -50,7 +50,7 @@ impl StudyOptions {
 /// A batch of rows takes a checker from the pool and returns it. Before each row the checker drops
 /// all cached state ([`Checker::forget`]), so the result depends on the row alone, bit for bit.
 pub struct Study {
-    setup: Setup,
+    skipped: Vec<Skipped>,
     options: StudyOptions,
     fingerprint: String,
     /// The checker whose forks answer.
@@ -65,22 +65,27 @@ impl Study {
     /// # Errors
     /// Returns an error if a file is invalid or no checker can be made.
     pub fn load(files: &RobotFiles, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
-        Self::new(files.load()?.1, options)
+        let LoadedCell { cell, skipped, .. } = files.load()?;
+        Self::of(cell, skipped, options)
     }
 
     /// Returns the study of a robot and a cell.
     ///
     /// # Errors
     /// Returns an error if no checker can be made, or if a margin is negative or not finite.
-    pub fn new(setup: Setup, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
-        let mut first = setup.checker()?;
+    pub fn new(cell: Cell, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
+        Self::of(cell, Vec::new(), options)
+    }
+
+    fn of(cell: Cell, skipped: Vec<Skipped>, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
+        let mut first = Checker::of_robots(cell)?;
         if let Some(margin) = options.margin {
             first.cell_mut().set_margin(margin)?;
         }
         first.set_start_contact_margin(options.start_contact_margin)?;
         Ok(Arc::new(Self {
-            fingerprint: fingerprint(&setup, &first, options)?,
-            setup,
+            fingerprint: fingerprint(&first, options)?,
+            skipped,
             options,
             first,
             pool: Mutex::default(),
@@ -91,13 +96,19 @@ impl Study {
     /// Returns the coordinates of a configuration: the arguments of the functions, in order.
     #[must_use]
     pub fn coordinates(&self) -> &[Coordinate] {
-        self.setup.coordinates()
+        self.first.cell().coordinates()
     }
 
-    /// Returns robot and cell.
+    /// Returns the cell of every checker.
     #[must_use]
-    pub fn setup(&self) -> &Setup {
-        &self.setup
+    pub fn cell(&self) -> &Cell {
+        self.first.cell()
+    }
+
+    /// Returns what the files name and the cell does not hold.
+    #[must_use]
+    pub fn skipped(&self) -> &[Skipped] {
+        &self.skipped
     }
 
     /// Returns the options.
@@ -135,31 +146,26 @@ impl Study {
         Ok(answer)
     }
 
-    /// Returns the bodies of every checker.
-    pub(crate) fn cell(&self) -> &Cell {
-        self.first.cell()
-    }
-
     pub(crate) fn count(&self, rows: usize) {
         self.rows.fetch_add(rows as u64, Ordering::Relaxed);
     }
 }
 
 /// Version of fingerprints and of their inputs.
-const FORMAT: &str = "lin-canny-study 3";
+const FORMAT: &str = "lin-canny-study 4";
 
-fn fingerprint(setup: &Setup, checker: &Checker<JointTree>, options: StudyOptions) -> Result<String, StudyError> {
+fn fingerprint(checker: &Checker<JointTree>, options: StudyOptions) -> Result<String, StudyError> {
     let mut hasher = blake3::Hasher::new();
-    // The margin is in the world.
+    // The margin is in the cell.
     let options = StudyOptions {
         margin: None,
         ..options
     };
     // `Debug` writes every digit of a number.
-    let space = format!("{FORMAT} {options:?} {:?} {:?}", setup.coordinates(), checker.space());
+    let space = format!("{FORMAT} {options:?} {:?}", checker.space());
     // No text contains this byte.
     hasher.update(space.as_bytes()).update(&[0xff]);
-    // The whole world: bodies, frames, excluded pairs, margins and paddings.
+    // The whole cell: robots, bodies, frames, excluded pairs, margins and paddings.
     serde_json::to_writer(&mut hasher, checker.cell())?;
     Ok(hasher.finalize().to_hex()[..16].to_owned())
 }
@@ -173,11 +179,11 @@ mod tests {
     #[test]
     fn fingerprints_cover_what_pairs_must_keep() {
         let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../robot/examples/six_axis.urdf");
-        let (_, setup) = RobotFiles::new(urdf).load().expect("the example");
+        let cell = RobotFiles::new(urdf).load().expect("the example").cell;
         let of = |change: &dyn Fn(&mut Checker<JointTree>) -> Result<(), PlanError>| {
-            let mut checker = setup.checker().expect("a checker");
+            let mut checker = Checker::of_robots(cell.clone()).expect("a checker");
             change(&mut checker).expect("a change");
-            fingerprint(&setup, &checker, StudyOptions::default()).expect("a fingerprint")
+            fingerprint(&checker, StudyOptions::default()).expect("a fingerprint")
         };
         let all = [
             of(&|_| Ok(())),

@@ -71,7 +71,7 @@ fn a_robot_has_the_bits_of_rust() {
     let mut files = RobotFiles::new(format!("{folder}/six_axis.urdf"));
     files.srdf = Some(format!("{folder}/six_axis.srdf").into());
     files.cell = Some(format!("{folder}/six_axis_cell.json").into());
-    let mut rust = files.load().unwrap().1.checker().unwrap();
+    let mut rust = Checker::of_robots(files.load().unwrap().cell).unwrap();
     let texts = ["six_axis.urdf", "six_axis.srdf", "six_axis_cell.json"]
         .map(|file| CString::new(format!("{folder}/{file}")).unwrap());
     let [robot, srdf, cell] = texts.each_ref().map(|text| text.as_ptr());

@@ -1,6 +1,7 @@
 //! Pairs that are never measured.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 use std::vec::Vec;
 
 use crate::cell::Cell;
@@ -26,10 +27,31 @@ impl Cell {
         a: impl Into<Select<'a>>,
         b: impl Into<Select<'a>>,
     ) -> Result<Vec<CellPair>, PlanError> {
+        self.exclude_because(a, b, "User")
+    }
+
+    /// Excludes pairs as [`exclude`](Self::exclude) does, and notes why: `Adjacent`, `Never`, or what a
+    /// person should read. A pair that is excluded already has this reason from then on.
+    ///
+    /// # Errors
+    /// As [`exclude`](Self::exclude).
+    pub fn exclude_because<'a>(
+        &mut self,
+        a: impl Into<Select<'a>>,
+        b: impl Into<Select<'a>>,
+        reason: &str,
+    ) -> Result<Vec<CellPair>, PlanError> {
         let mut pairs = self.pairs_of(a.into(), b.into())?;
-        pairs.retain(|pair| self.excluded.insert(*pair));
+        let reason: Arc<str> = reason.into();
+        pairs.retain(|pair| self.excluded.insert(*pair, reason.clone()).is_none());
         self.changes.note(|changes| changes.pairs.extend(&pairs));
         Ok(pairs)
+    }
+
+    /// Excludes a pair, unless it is excluded.
+    pub(super) fn note_excluded(&mut self, pair: CellPair, reason: &str) {
+        self.excluded.entry(pair).or_insert_with(|| reason.into());
+        self.changes.note(|changes| changes.pairs.push(pair));
     }
 
     /// Includes all pairs of a body of `a` and a body of `b` again, and returns those that were
@@ -44,12 +66,12 @@ impl Cell {
         b: impl Into<Select<'a>>,
     ) -> Result<Vec<CellPair>, PlanError> {
         let mut pairs = self.pairs_of(a.into(), b.into())?;
-        pairs.retain(|pair| self.excluded.remove(pair));
+        pairs.retain(|pair| self.excluded.remove(pair).is_some());
         self.changes.note(|changes| changes.pairs.extend(&pairs));
         Ok(pairs)
     }
 
-    /// Excludes all pairs for which `is_excluded` returns true.
+    /// Excludes all pairs for which `is_excluded` returns true, without a reason.
     ///
     /// ```
     /// # use lin_canny_plan::{Cell, CellBody};
@@ -67,8 +89,7 @@ impl Cell {
         for (k, &a) in all.iter().enumerate() {
             let pairs = all[k + 1..].iter().filter_map(|&b| CellPair::new(a, b));
             for pair in pairs.filter(|pair| is_excluded(*pair)) {
-                self.excluded.insert(pair);
-                self.changes.note(|changes| changes.pairs.push(pair));
+                self.note_excluded(pair, "");
             }
         }
     }
@@ -80,18 +101,29 @@ impl Cell {
     #[doc(alias = "allow")]
     #[doc(alias = "allowed collision matrix")]
     pub fn excluded(&self) -> impl ExactSizeIterator<Item = [CellBody; 2]> {
-        self.excluded.iter().map(|pair| [pair.a, pair.b])
+        self.excluded.keys().map(|pair| [pair.a, pair.b])
     }
 
-    /// Returns the names of excluded pairs: each two names once, if all their pairs are excluded.
+    /// Returns the reason of an excluded pair, empty if none was given; `None` if it is not excluded.
+    #[must_use]
+    pub fn exclusion(&self, pair: CellPair) -> Option<&str> {
+        self.excluded.get(&pair).map(|reason| &**reason)
+    }
+
+    /// Returns the names of excluded pairs with the reason: each two names once, if all their pairs are
+    /// excluded. The reason is that of the last pair with one.
     #[must_use]
     #[doc(alias = "allowed collision matrix")]
-    pub fn excluded_names(&self) -> Vec<[&str; 2]> {
-        let mut counts: BTreeMap<[&str; 2], usize> = BTreeMap::new();
-        for pair in &self.excluded {
+    pub fn excluded_names(&self) -> Vec<([&str; 2], &str)> {
+        let mut counts: BTreeMap<[&str; 2], (usize, &str)> = BTreeMap::new();
+        for (pair, reason) in &self.excluded {
             let mut names = [self.name(pair.a), self.name(pair.b)];
             names.sort_unstable();
-            *counts.entry(names).or_default() += 1;
+            let (count, why) = counts.entry(names).or_default();
+            *count += 1;
+            if !reason.is_empty() {
+                *why = reason;
+            }
         }
         let mut of_name: BTreeMap<&str, Vec<CellBody>> = BTreeMap::new();
         for (id, name) in self.bodies() {
@@ -104,7 +136,7 @@ impl Cell {
             let pairs: BTreeSet<_> = pairs.filter_map(|(a, b)| CellPair::new(a, b)).collect();
             pairs.len() == count
         };
-        let whole = counts.into_iter().filter(|(names, count)| is_whole(names, *count));
-        whole.map(|(names, _)| names).collect()
+        let whole = counts.into_iter().filter(|(names, (count, _))| is_whole(names, *count));
+        whole.map(|(names, (_, reason))| (names, reason)).collect()
     }
 }

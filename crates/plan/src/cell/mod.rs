@@ -5,6 +5,8 @@ mod excluded_pairs;
 mod margins_and_paddings;
 pub(crate) mod mesh_hull;
 pub(crate) mod range_body;
+pub(crate) mod robot_model;
+mod robots;
 
 use core::fmt;
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,6 +18,7 @@ use nalgebra::Isometry3;
 
 use crate::cell::attached_object::{AttachedObject, Frame};
 use crate::cell::mesh_hull::MeshHull;
+use crate::cell::robot_model::Robots;
 use crate::error::PlanError;
 use crate::motion::timed_poses::TimedPoses;
 use crate::names::nearest_name;
@@ -50,10 +53,15 @@ pub struct Cell {
     pub(crate) motions: BTreeMap<CellBody, TimedPoses>,
     /// The hulls of the bodies that are meshes.
     pub(crate) hulls: BTreeMap<CellBody, MeshHull>,
-    pub(crate) excluded: BTreeSet<CellPair>,
+    /// The excluded pairs, each with its reason.
+    pub(crate) excluded: BTreeMap<CellPair, Arc<str>>,
     pub(crate) margin: f64,
     pub(crate) paddings: BTreeMap<CellBody, f64>,
     pub(crate) margins: BTreeMap<CellPair, f64>,
+    /// The links and joints of robots from files.
+    pub(crate) robots: Arc<Robots>,
+    /// The names of bodies and frames.
+    pub(crate) names: BTreeSet<String>,
     pub(crate) changes: Changes,
 }
 
@@ -106,7 +114,9 @@ impl Cell {
 
     /// Adds a robot body.
     pub fn robot_body(&mut self, name: impl ToString, shape: impl Into<Geometry>) -> CellBody {
-        Arc::make_mut(&mut self.robot).push((name.to_string(), shape.into()));
+        let name = name.to_string();
+        self.names.insert(name.clone());
+        Arc::make_mut(&mut self.robot).push((name, shape.into()));
         self.changes.robot = true;
         let id = CellBody::Robot(self.robot.len() - 1);
         self.note_hull(id);
@@ -118,8 +128,9 @@ impl Cell {
     /// Objects can be attached there. In the space, bodies without geometry come after all robot
     /// bodies, in the order of these calls.
     pub fn bare_frame(&mut self, name: impl ToString) {
-        let bare = self.bare_frames();
-        Arc::make_mut(&mut self.frames).push((name.to_string(), Frame::Bare(bare)));
+        let (name, bare) = (name.to_string(), self.bare_frames());
+        self.names.insert(name.clone());
+        Arc::make_mut(&mut self.frames).push((name, Frame::Bare(bare)));
         self.changes.robot = true;
     }
 
@@ -127,13 +138,16 @@ impl Cell {
     ///
     /// Without this call, a name stands for the frame of the first robot body that has it.
     pub fn body_frame(&mut self, name: impl ToString, body: usize) {
-        Arc::make_mut(&mut self.frames).push((name.to_string(), Frame::Robot(body)));
+        let name = name.to_string();
+        self.names.insert(name.clone());
+        Arc::make_mut(&mut self.frames).push((name, Frame::Robot(body)));
         self.changes.robot = true;
     }
 
     /// Returns this cell without its obstacles.
     ///
-    /// The robot, its attached objects, and what their pairs must keep are the same.
+    /// The robot, its attached objects, and what their pairs must keep are the same. Half-spaces of
+    /// links of [robots](Self::add_robot) stay.
     ///
     /// The result shares all shapes with this cell, so that checkers of many cells need the robot
     /// only once.
@@ -158,18 +172,33 @@ impl Cell {
     /// ```
     #[must_use]
     pub fn without_obstacles(&self) -> Self {
-        let is_kept = |id: &CellBody| !matches!(id, CellBody::Obstacle(_));
+        let is_kept = |id: &CellBody| !matches!(id, CellBody::Obstacle(_)) || self.is_of_robot(*id);
+        let all = self.obstacles.iter().enumerate();
+        let mut obstacles: Vec<_> = all
+            .map(|(k, o)| o.clone().filter(|_| is_kept(&CellBody::Obstacle(k))))
+            .collect();
+        let last = obstacles.iter().rposition(Option::is_some);
+        obstacles.truncate(last.map_or(0, |k| k + 1));
+        let gone = self.bodies().filter(|(id, _)| !is_kept(id)).map(|(_, name)| name);
+        let gone: BTreeSet<&str> = gone.collect();
         Self {
             robot: self.robot.clone(),
             frames: self.frames.clone(),
             attached: self.attached.clone(),
-            obstacles: Vec::new(),
+            obstacles,
             motions: BTreeMap::new(),
             hulls: entries(&self.hulls, is_kept),
-            excluded: self.excluded.iter().filter(|pair| is_kept(&pair.b)).copied().collect(),
+            excluded: entries(&self.excluded, |pair: &CellPair| is_kept(&pair.b)),
             margin: self.margin,
             paddings: entries(&self.paddings, is_kept),
             margins: entries(&self.margins, |pair: &CellPair| is_kept(&pair.b)),
+            robots: self.robots.clone(),
+            names: self
+                .names
+                .iter()
+                .filter(|name| !gone.contains(name.as_str()))
+                .cloned()
+                .collect(),
             changes: Changes::default(),
         }
     }
@@ -183,21 +212,48 @@ impl Cell {
     /// Adds an obstacle at a pose in the world, and returns its id.
     ///
     /// # Errors
-    /// Returns an error if the pose is invalid or out of range, or if the box of the obstacle is not
-    /// finite. Then nothing changes.
+    /// Returns an error if the pose is invalid or out of range, if the box of the obstacle is not
+    /// finite, or if another body or link has the name. Then nothing changes.
     pub fn add_obstacle(
         &mut self,
         name: impl ToString,
         geometry: impl Into<Geometry>,
         pose: Isometry3<f64>,
     ) -> Result<CellBody, PlanError> {
-        let geometry = geometry.into();
+        let (name, geometry) = (name.to_string(), geometry.into());
         resting(&geometry, &pose)?;
-        self.obstacles.push(Some((name.to_string(), geometry, pose)));
+        self.check_name("obstacle", &name)?;
+        Ok(self.push_obstacle(name, geometry, pose))
+    }
+
+    /// Adds an obstacle that was checked.
+    fn push_obstacle(&mut self, name: String, geometry: Geometry, pose: Isometry3<f64>) -> CellBody {
+        self.names.insert(name.clone());
+        self.obstacles.push(Some((name, geometry, pose)));
         let id = CellBody::Obstacle(self.obstacles.len() - 1);
         self.note_hull(id);
         self.note_body(id);
-        Ok(id)
+        id
+    }
+
+    /// Returns an error if a body or a frame has the name.
+    fn check_name(&self, kind: &'static str, name: &str) -> Result<(), PlanError> {
+        match self.names.contains(name) {
+            true => Err(PlanError::NameTaken {
+                kind,
+                name: name.to_string(),
+            }),
+            false => Ok(()),
+        }
+    }
+
+    /// Returns the name, or else with the first number that makes it one that no body and no link has:
+    /// `post`, `post#2`, `post#3`.
+    #[must_use]
+    pub fn free_name(&self, name: &str) -> String {
+        let numbered = (2..).map(|k| std::format!("{name}#{k}"));
+        let mut names = core::iter::once(name.to_string()).chain(numbered);
+        names.find(|name| !self.names.contains(name)).unwrap_or_default()
     }
 
     /// Adds an obstacle that moves, and returns its id. The obstacle has these poses in the world at times on a clock.
@@ -234,7 +290,8 @@ impl Cell {
     /// ```
     ///
     /// # Errors
-    /// Returns an error if the box of the obstacle is not finite. Then nothing changes.
+    /// Returns an error if the box of the obstacle is not finite, or if another body or link has the
+    /// name. Then nothing changes.
     pub fn add_moving_obstacle(
         &mut self,
         name: impl ToString,
@@ -335,7 +392,8 @@ impl Cell {
         let found = self.select_obstacles(bodies.into())?;
         for id in &found {
             if let CellBody::Obstacle(k) = *id {
-                self.obstacles[k] = None;
+                let name = self.obstacles[k].take().map(|o| o.0).unwrap_or_default();
+                self.free(*id, &name);
                 self.forget_body(*id);
                 self.note_body(*id);
             }
@@ -351,8 +409,8 @@ impl Cell {
     /// ([`bare_frame`](Self::bare_frame)), or else that of the first robot body of that name.
     ///
     /// # Errors
-    /// Returns an error if the pose is invalid or out of range, or if a name does not exist. Then
-    /// nothing changes.
+    /// Returns an error if the pose is invalid or out of range, if a link does not exist, or if another
+    /// body or link has the name. Then nothing changes.
     pub fn attach(
         &mut self,
         link: &str,
@@ -367,6 +425,7 @@ impl Cell {
             return Err(PlanError::Unbounded(name.to_string()));
         }
         let frame = self.frame(link)?;
+        self.check_name("object", &name.to_string())?;
         let mut touched = Vec::new();
         for name in touch_links {
             match self.select(*name) {
@@ -377,6 +436,7 @@ impl Cell {
             }
         }
         let id = CellBody::Attached(self.attached.len());
+        self.names.insert(name.to_string());
         self.attached.push(Some(AttachedObject {
             name: name.to_string(),
             geometry,
@@ -386,8 +446,8 @@ impl Cell {
         }));
         self.note_hull(id);
         self.note_body(id);
-        self.excluded
-            .extend(touched.into_iter().filter_map(|body| CellPair::new(id, body)));
+        let touched = touched.into_iter().filter_map(|body| CellPair::new(id, body));
+        self.excluded.extend(touched.map(|pair| (pair, "Touch".into())));
         Ok(id)
     }
 
@@ -401,7 +461,8 @@ impl Cell {
         let found = self.select_kind(bodies, |id| matches!(id, CellBody::Attached(_)), "an attached object")?;
         for id in &found {
             if let CellBody::Attached(k) = *id {
-                self.attached[k] = None;
+                let name = self.attached[k].take().map(|o| o.name).unwrap_or_default();
+                self.free(*id, &name);
                 self.forget_body(*id);
                 self.note_body(*id);
             }
@@ -436,6 +497,13 @@ impl Cell {
         match id {
             CellBody::Obstacle(k) => self.obstacles.get_mut(k)?.as_mut(),
             _ => None,
+        }
+    }
+
+    /// Frees the name of a removed body, if it is not that of a link.
+    fn free(&mut self, id: CellBody, name: &str) {
+        if !self.is_of_robot(id) {
+            self.names.remove(name);
         }
     }
 
@@ -699,7 +767,8 @@ impl Cell {
                 has(CellBody::Robot(k))?;
             }
         }
-        let pairs = self.excluded.iter().chain(self.margins.keys());
+        self.robots.check(self.obstacles.len())?;
+        let pairs = self.excluded.keys().chain(self.margins.keys());
         for pair in pairs {
             has(pair.a)?;
             has(pair.b)?;
@@ -813,10 +882,12 @@ struct StoredCell {
     obstacles: Vec<Option<(String, Geometry, Isometry3<f64>)>>,
     #[serde(default)]
     motions: Vec<(CellBody, TimedPoses)>,
-    excluded: Vec<CellPair>,
+    excluded: Vec<(CellPair, String)>,
     margin: f64,
     paddings: Vec<(CellBody, f64)>,
     margins: Vec<(CellPair, f64)>,
+    #[serde(default)]
+    robots: Robots,
 }
 
 #[cfg(feature = "serde")]
@@ -828,10 +899,15 @@ impl From<Cell> for StoredCell {
             attached: cell.attached,
             obstacles: cell.obstacles,
             motions: cell.motions.into_iter().collect(),
-            excluded: cell.excluded.into_iter().collect(),
+            excluded: cell
+                .excluded
+                .into_iter()
+                .map(|(pair, why)| (pair, why.to_string()))
+                .collect(),
             margin: cell.margin,
             paddings: cell.paddings.into_iter().collect(),
             margins: cell.margins.into_iter().collect(),
+            robots: Arc::unwrap_or_clone(cell.robots),
         }
     }
 }
@@ -848,13 +924,24 @@ impl TryFrom<StoredCell> for Cell {
             obstacles: stored.obstacles,
             motions: stored.motions.into_iter().collect(),
             hulls: BTreeMap::new(),
-            excluded: stored.excluded.into_iter().collect(),
+            excluded: stored
+                .excluded
+                .into_iter()
+                .map(|(pair, why)| (pair, why.into()))
+                .collect(),
             margin: stored.margin,
             paddings: stored.paddings.into_iter().collect(),
             margins: stored.margins.into_iter().collect(),
+            robots: stored.robots.into(),
+            names: BTreeSet::new(),
             changes: Changes::default(),
         };
         cell.validate()?;
+        let names = cell
+            .bodies()
+            .map(|b| b.1)
+            .chain(cell.frames.iter().map(|f| f.0.as_str()));
+        cell.names = names.map(String::from).collect();
         let bodies: Vec<CellBody> = cell.bodies().map(|body| body.0).collect();
         bodies.into_iter().for_each(|id| cell.note_hull(id));
         Ok(cell)

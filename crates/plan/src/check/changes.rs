@@ -10,7 +10,7 @@ use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
 
-use crate::cell::{Cell, Changes};
+use crate::cell::{Cell, Changes, resting};
 use crate::check::checker::Checker;
 use crate::check::pairs::Pairs;
 use crate::error::PlanError;
@@ -113,10 +113,11 @@ impl<C: ConfigurationSpace> Checker<C> {
             }
         };
         let pose = self.pose(id, configuration)?;
+        resting(&object.geometry, &pose)?;
         let mut cell = self.cell_mut();
         let padding = cell.padding(id);
-        let left = cell.add_obstacle(object.name, object.geometry, pose)?;
         cell.detach(id)?;
+        let left = cell.add_obstacle(object.name, object.geometry, pose)?;
         if padding > 0.0 {
             cell.pad(left, padding)?;
         }
@@ -276,7 +277,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Measures a pair from now on, or does not.
     fn set_pair(&mut self, pair: CellPair) {
         let is_measured = [pair.a, pair.b].iter().all(|id| self.cell.contains(*id))
-            && !self.cell.excluded.contains(&pair)
+            && !self.cell.excluded.contains_key(&pair)
             && !self.is_rigid(pair);
         let kept = is_measured.then(|| self.cell.kept_distance(pair));
         if let Some(index) = self.pairs.set(pair, kept) {

@@ -18,6 +18,7 @@ use crate::extremes::Extremes;
 use crate::motion::carried::CarriedMotion;
 use crate::motion::carried::PartMotion;
 use crate::motion::space::{BodyBall, BodyMotion, ConfigurationSpace, SegmentMotion};
+use crate::motion::tree::JointTree;
 use crate::motion::tube::JointTube;
 use crate::names::{CellBody, CellPair};
 use lin_canny::impact::{Cast, CastOptions, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
@@ -73,6 +74,19 @@ pub struct Checker<C> {
     pub(crate) has_parts: bool,
     /// Bodies that proofs over ranges have prepared.
     pub(crate) range_bodies: BTreeMap<CellBody, RangeBody>,
+}
+
+impl Checker<JointTree> {
+    /// Returns the checker of all robots of a cell: see [`Cell::add_robot`].
+    ///
+    /// For many cells of the same robots, keep their [space](Cell::space) and call [`new`](Self::new):
+    /// the checkers then share it.
+    ///
+    /// # Errors
+    /// Returns an error as [`Cell::space`] and [`new`](Self::new) do.
+    pub fn of_robots(cell: Cell) -> Result<Self, PlanError> {
+        Self::new(cell.space()?, cell)
+    }
 }
 
 impl<C: ConfigurationSpace> Checker<C> {

@@ -8,6 +8,7 @@ use lin_canny::{EXTENT_MAX, POSE_UNIT, RelativePose};
 
 /// The kind of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum JointKind {
     /// Rotates about its axis; values in radians.
@@ -59,6 +60,7 @@ impl Joint {
 ///
 /// Joints with the same coordinate mimic each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Drive {
     /// Index of the coordinate.
     pub coordinate: usize,
@@ -82,6 +84,7 @@ impl Drive {
 
 /// A joint of a tree, and the link that the joint moves.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TreeJoint {
     /// Parent link: 0 for the base, k for the link that joint k - 1 moves.
     pub parent: usize,

@@ -236,7 +236,7 @@ impl Stated {
                     self.pairs.push(([a, b], *kept));
                     continue;
                 }
-                let is_excluded = checker.cell.excluded.contains(&pair);
+                let is_excluded = checker.cell.excluded.contains_key(&pair);
                 let why = if is_excluded { EXCLUDED } else { RIGID }.into();
                 self.scene.ignored.push(Ignored { pair: [a, b], why });
             }

@@ -469,17 +469,38 @@ fn removed_bodies_and_unknown_names_are_errors_that_say_so() {
     let far = Isometry3::translation(f64::NAN, 0.0, 0.0);
     assert!(checker.cell_mut().add_obstacle("far", ball(), far).is_err());
     assert!(checker.cell_mut().move_obstacle("post", far).is_err());
-    for name in ["hand", "tool"] {
+    for (link, name) in [("hand", "twin"), ("tool", "twin#2")] {
+        let name = (checker.cell().free_name("twin") == name)
+            .then_some(name)
+            .expect("a free name");
         checker
             .cell_mut()
-            .attach(name, "twin", ball(), Isometry3::identity(), &[])
+            .attach(link, name, ball(), Isometry3::identity(), &[])
             .expect("an object");
     }
-    let twins = checker.detach_at("twin", &[0.0; 3]).expect_err("two objects");
-    assert_eq!(text(twins), "2 bodies are named \"twin\" (expected one)");
-    assert_eq!(checker.cell_mut().detach("twin").map(|ids| ids.len()), Ok(2));
+    for taken in ["twin", "hand", "tool"] {
+        let error = checker
+            .cell_mut()
+            .attach("hand", taken, ball(), Isometry3::identity(), &[]);
+        let expected = format!("object {taken:?}: the name is taken (expected another one)");
+        assert_eq!(text(error.expect_err("a taken name")), expected);
+        let error = checker.cell_mut().add_obstacle(taken, ball(), Isometry3::identity());
+        assert_eq!(
+            text(error.expect_err("a taken name")),
+            expected.replace("object", "obstacle")
+        );
+    }
+    let twins = ["twin".to_owned(), "twin#2".to_owned()];
+    let error = checker.detach_at(&twins[..], &[0.0; 3]).expect_err("two objects");
+    assert_eq!(text(error), "2 bodies are named \"twin\" (expected one)");
+    assert_eq!(checker.cell_mut().detach(&twins[..]).map(|ids| ids.len()), Ok(2));
+    // The names are free again.
+    assert_eq!(checker.cell().free_name("twin"), "twin");
     assert!(checker.cell_mut().pad("post", -0.1).is_err());
-    assert_eq!(checker.cell().excluded_names(), [["fore", "hand"], ["fore", "upper"]]);
+    assert_eq!(
+        checker.cell().excluded_names(),
+        [(["fore", "hand"], "User"), (["fore", "upper"], "User")]
+    );
 }
 
 #[test]

@@ -15,8 +15,12 @@ fn gap(half: f64) -> (Checker<PlanarSpace>, [[f64; 3]; 2]) {
     cell.robot_body("rectangle", rectangle);
     for side in [1.0, -1.0] {
         let wall = solids::cuboid(Vector3::new(0.3, 1.0, 1.0)).expect("a box");
-        cell.add_obstacle("wall", wall, Isometry3::translation(0.0, side * (1.0 + half), 0.0))
-            .expect("an obstacle");
+        cell.add_obstacle(
+            cell.free_name("wall"),
+            wall,
+            Isometry3::translation(0.0, side * (1.0 + half), 0.0),
+        )
+        .expect("an obstacle");
     }
     let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
     let checker = Checker::new(space, cell).expect("a world");
@@ -152,8 +156,12 @@ fn a_search_without_queries_ends() {
         for side in [-0.4, 0.4] {
             let mut at = Vector3::new(3.0, 0.0, 0.0);
             at[axis] += side;
-            cell.add_obstacle("wall", wall.clone(), Isometry3::translation(at.x, at.y, at.z))
-                .expect("an obstacle");
+            cell.add_obstacle(
+                cell.free_name("wall"),
+                wall.clone(),
+                Isometry3::translation(at.x, at.y, at.z),
+            )
+            .expect("an obstacle");
         }
     }
     let space = RigidSpace::new([[-50.0, 50.0]; 3], 0.2, 1).expect("a space");

@@ -585,7 +585,7 @@ fn moving_obstacles_come_and_go() {
     );
     let id = checker
         .cell_mut()
-        .add_moving_obstacle("press", cuboid([1.0; 3]), timed)
+        .add_moving_obstacle("second press", cuboid([1.0; 3]), timed)
         .expect("a pose");
     assert!(checker.certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3])).is_err());
     checker.cell_mut().remove_obstacle(id).expect("an obstacle");

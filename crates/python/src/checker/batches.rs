@@ -104,9 +104,9 @@ impl Checker {
     fn batch<'a>(&'a self, array: &'a PyReadonlyArrayDyn<'_, f64>) -> PyResult<Configurations<'a>> {
         Ok(Configurations {
             checker: &self.checker,
-            coordinates: self.setup.coordinates(),
+            coordinates: self.checker.cell().coordinates(),
             numbers: Numbers::new(&self.checker),
-            rows: configurations(array, self.setup.coordinates().len())?.collect(),
+            rows: configurations(array, self.checker.cell().coordinates().len())?.collect(),
         })
     }
 }
@@ -191,7 +191,7 @@ impl Checker {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let array = contiguous::<f64>(q, CONFIGURATIONS)?;
-        let (dof, checker, coordinates) = (self.dof(), &self.checker, self.setup.coordinates());
+        let (dof, checker, coordinates) = (self.dof(), &self.checker, self.checker.cell().coordinates());
         let rows = configurations(&array, dof)?.len();
         let run = Run::new(py, rows, threads, progress)?;
         let numbers = array.as_slice()?;

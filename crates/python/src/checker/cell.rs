@@ -305,7 +305,7 @@ impl Checker {
     #[getter]
     fn excluded(&self) -> Vec<(&str, &str)> {
         let names = self.checker.cell().excluded_names();
-        names.into_iter().map(|[a, b]| (a, b)).collect()
+        names.into_iter().map(|([a, b], _)| (a, b)).collect()
     }
 
     /// All excluded pairs of bodies, by their ids.

@@ -24,7 +24,7 @@ const TUBE: Argument = Argument {
 
 impl Checker {
     pub(crate) fn coordinate_list(&self) -> &[Coordinate] {
-        self.setup.coordinates()
+        self.checker.cell().coordinates()
     }
 
     /// Returns a number of each coordinate: one number for all, or one for each.

@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_robot::{CellFile, Setup};
+use lin_canny_robot::plan::Cell;
+use lin_canny_robot::{CellFile, Skipped};
 use pyo3::Borrowed;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::errors::{file_error, refused};
+use crate::errors::{file_error, plan_error, refused};
 use crate::geometry::Geometry;
 use crate::pose::Pose;
 use crate::robot::Robot;
@@ -68,12 +69,12 @@ fn pose_of(pose: Option<&Bound<'_, PyAny>>) -> PyResult<Isometry3<f64>> {
     pose.map_or(Ok(Isometry3::identity()), |pose| Ok(pose.extract::<Pose>()?.0))
 }
 
-/// Returns the setup of the robots, with the pairs of their SRDFs.
+/// Returns the cell of the robots, with the pairs of their SRDFs, and what was skipped.
 pub(super) fn of_robots(
     robots: &RobotArgument<'_>,
     pose: Option<Bound<'_, PyAny>>,
     exclude_adjacent: bool,
-) -> PyResult<Setup> {
+) -> PyResult<(Cell, Vec<Skipped>)> {
     let mut placed = Vec::new();
     match robots {
         RobotArgument::One(robot) => placed.push((String::new(), robot.clone(), pose_of(pose.as_ref())?)),
@@ -89,41 +90,44 @@ pub(super) fn of_robots(
             }
         }
     }
-    let mut setup = Setup::new();
+    let (mut cell, mut skipped) = (Cell::new(), Vec::new());
     for (prefix, robot, pose) in &placed {
-        setup.robot(prefix, &robot.get().robot, *pose);
+        let robot = &robot.get().robot;
+        cell.add_robot(prefix, robot, *pose).map_err(plan_error)?;
+        skipped.extend_from_slice(robot.skipped());
     }
     // An SRDF may enable pairs of adjacent links again.
     if exclude_adjacent {
-        setup.exclude_adjacent();
+        cell.exclude_adjacent();
     }
     for (prefix, robot, _) in &placed {
         if let Some(srdf) = &robot.get().srdf {
-            setup.exclude_srdf(prefix, srdf);
+            srdf.exclude_in(&mut cell, prefix).map_err(plan_error)?;
+            skipped.extend(srdf.skipped_pairs().cloned());
         }
     }
-    Ok(setup)
+    Ok((cell, skipped))
 }
 
-/// Adds the cell of a JSON or SDFormat file.
+/// Adds the bodies and pairs of a JSON or SDFormat file, and returns what was skipped.
 pub(super) fn add_cell(
-    setup: &mut Setup,
+    cell: &mut Cell,
     robots: &RobotArgument<'_>,
-    cell: Option<Bound<'_, PyAny>>,
+    file: Option<Bound<'_, PyAny>>,
     keep_invalid: bool,
-) -> PyResult<()> {
-    let Some(cell) = cell else { return Ok(()) };
+) -> PyResult<Vec<Skipped>> {
+    let Some(file) = file else { return Ok(Vec::new()) };
     let (packages, options) = robots.first()?.get().mesh_sources()?;
     let options = options.keep_invalid(keep_invalid);
-    let cell = CellFile::load(cell.extract::<PathBuf>()?, &packages, &options).map_err(file_error)?;
-    setup.cell(&cell);
-    Ok(())
+    let file = CellFile::load(file.extract::<PathBuf>()?, &packages, &options).map_err(file_error)?;
+    file.add_to(cell).map_err(plan_error)
 }
 
 /// Adds obstacles.
-pub(super) fn add_obstacles(setup: &mut Setup, obstacles: Vec<Obstacle<'_>>) -> PyResult<()> {
+pub(super) fn add_obstacles(cell: &mut Cell, obstacles: Vec<Obstacle<'_>>) -> PyResult<()> {
     for (name, geometry, pose) in obstacles {
-        setup.obstacle(name, geometry.get().0.clone(), pose_of(Some(&pose))?);
+        let added = cell.add_obstacle(name, geometry.get().0.clone(), pose_of(Some(&pose))?);
+        added.map_err(plan_error)?;
     }
     Ok(())
 }

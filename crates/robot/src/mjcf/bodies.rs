@@ -9,9 +9,9 @@ use super::geom::{Assets, Source, placed};
 use super::settings::{Classes, Settings, check, euler};
 use crate::error::{FileError, FileErrorKind, Place, Skipped};
 use crate::link_tree::{FileJoint, Follows};
-use crate::robot::{MotionKind, RobotLink};
 use crate::turn::{about, direction};
 use crate::xml::{check_excluded, check_name};
+use lin_canny_plan::{MotionKind, RobotLink};
 
 /// Attributes of a frame; a body has more of them.
 const FRAME: [&str; 8] = [

@@ -12,9 +12,9 @@ use crate::error::{FileError, FileErrorKind, Place};
 use crate::geometry::{self, Solid};
 use crate::mesh_file::{MeshPlacing, Soup};
 use crate::options::{LoadOptions, MeshUse};
-use crate::robot::LinkBody;
 use crate::turn::from_xyzw;
 use crate::xml::EXTENT_MAX;
+use lin_canny_plan::LinkBody;
 use lin_canny_plan::nearest_name as nearest;
 
 /// Maximum number of coordinates of a mesh in the file.

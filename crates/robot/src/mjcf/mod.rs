@@ -98,6 +98,7 @@ pub(crate) fn read(xml: &Xml, options: &LoadOptions) -> Result<Robot, FileError>
     let (links, joints) = (model.links.clone(), std::mem::take(&mut model.joints));
     let mut robot = tree.robot(root.get("model").unwrap_or("MuJoCo Model"), links, joints);
     let drives: HashMap<&str, _> = robot
+        .model
         .joints
         .iter()
         .map(|joint| (joint.name.as_str(), joint.drive))

@@ -53,6 +53,7 @@ pub(super) fn set(
     place: &Place,
 ) -> Result<(), FileError> {
     let links: HashMap<&str, usize> = robot
+        .model
         .links
         .iter()
         .enumerate()
@@ -61,7 +62,7 @@ pub(super) fn set(
     // The index of the first body of each link, and for each body of the robot its geom.
     let mut first = Vec::new();
     let mut count = 0;
-    for link in &robot.links {
+    for link in &robot.model.links {
         first.push(count);
         count += link.bodies.len();
     }
@@ -116,7 +117,7 @@ pub(super) fn set(
     let too_many = |pairs: usize| check_excluded(count, pairs).map_err(|reason| place.error(reason));
     // The links of the robot with bodies.
     let with_bodies: Vec<usize> = (0..first.len())
-        .filter(|&k| !robot.links[k].bodies.is_empty())
+        .filter(|&k| !robot.model.links[k].bodies.is_empty())
         .collect();
     for (k, &x) in with_bodies.iter().enumerate() {
         for &y in &with_bodies[k + 1..] {
@@ -125,7 +126,7 @@ pub(super) fn set(
             if p == q {
                 continue;
             }
-            let [xs, ys] = [x, y].map(|link| first[link]..first[link] + robot.links[link].bodies.len());
+            let [xs, ys] = [x, y].map(|link| first[link]..first[link] + robot.model.links[link].bodies.len());
             // Of two bodies without joints above them, MuJoCo checks explicit pairs alone.
             let is_still = |group: usize| group == 0 || model.mocap.contains_key(&group);
             let is_apart =
@@ -135,13 +136,13 @@ pub(super) fn set(
                     let [one, other] = [a, b].map(|body| &model.geoms[geom_of[body]]);
                     let do_meet = one.kind & other.with != 0 || other.kind & one.with != 0;
                     if (!do_meet || is_apart) && !checked.contains(&[a, b]) {
-                        robot.excluded.push([a, b]);
+                        robot.model.excluded.push([a, b]);
                     }
                 }
-                too_many(robot.excluded.len())?;
+                too_many(robot.model.excluded.len())?;
             }
             if adjacent && (above(p) == Some(q) && q != 0 || above(q) == Some(p) && p != 0) {
-                robot.adjacent.push([x, y]);
+                robot.model.adjacent.push([x, y]);
             }
         }
     }
@@ -149,21 +150,21 @@ pub(super) fn set(
     let link_of = |body: usize| links[model.links[model.geoms[geom_of[body]].link].name.as_str()];
     for &[a, b] in &checked {
         let pair = [link_of(a).min(link_of(b)), link_of(a).max(link_of(b))];
-        let Ok(at) = robot.adjacent.binary_search(&pair) else {
+        let Ok(at) = robot.model.adjacent.binary_search(&pair) else {
             continue;
         };
-        robot.adjacent.remove(at);
-        for a in first[pair[0]]..first[pair[0]] + robot.links[pair[0]].bodies.len() {
-            for b in first[pair[1]]..first[pair[1]] + robot.links[pair[1]].bodies.len() {
+        robot.model.adjacent.remove(at);
+        for a in first[pair[0]]..first[pair[0]] + robot.model.links[pair[0]].bodies.len() {
+            for b in first[pair[1]]..first[pair[1]] + robot.model.links[pair[1]].bodies.len() {
                 let bodies = [a.min(b), a.max(b)];
                 if !checked.contains(&bodies) {
-                    robot.excluded.push(bodies);
+                    robot.model.excluded.push(bodies);
                 }
             }
-            too_many(robot.excluded.len())?;
+            too_many(robot.model.excluded.len())?;
         }
     }
-    robot.excluded.sort_unstable();
-    robot.excluded.dedup();
+    robot.model.excluded.sort_unstable();
+    robot.model.excluded.dedup();
     Ok(())
 }

@@ -6,8 +6,9 @@ use lin_canny::nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion,
 
 use super::element::{Element, exactly, numbers};
 use crate::error::{FileError, FileErrorKind, Place, Skipped};
-use crate::turn::{about, direction, from_xyzw, from_z};
+use crate::turn::{about, direction, from_xyzw};
 use lin_canny_plan::nearest_name as nearest;
+use lin_canny_plan::turn_from_z;
 
 /// Attributes that state an orientation. An element has one of them, and it replaces all of those
 /// of its class.
@@ -431,7 +432,7 @@ impl<'e> Settings<'e> {
             "euler" => Ok(euler(exactly(self.place, name, text)?, compiler)),
             "zaxis" => {
                 let axis = direction(exactly(self.place, name, text)?).ok_or_else(zero)?;
-                Ok(from_z(&axis))
+                Ok(turn_from_z(&axis))
             }
             _ => {
                 let [a, b, c, d, e, f] = exactly(self.place, name, text)?;
@@ -477,5 +478,5 @@ pub(super) fn segment(place: &Place, ends: [f64; 6]) -> Result<(Isometry3<f64>, 
         place.error(FileErrorKind::Range { field, value: 0.0 })
     })?;
     let middle = Translation3::from((from.coords + to.coords) * 0.5);
-    Ok((Isometry3::from_parts(middle, from_z(&axis)), 0.5 * along.norm()))
+    Ok((Isometry3::from_parts(middle, turn_from_z(&axis)), 0.5 * along.norm()))
 }

@@ -29,9 +29,10 @@ use crate::error::{FileError, FileErrorKind, Place, Skipped};
 use crate::link_tree::{FileJoint, Follows, LinkTree};
 use crate::options::LoadOptions;
 use crate::packages::Packages;
-use crate::robot::{LinkBody, MotionKind, Robot, RobotLink, adjacent_by_joints};
+use crate::robot::{Robot, adjacent_by_joints};
 use crate::turn::to_roll_pitch_yaw;
 use crate::xml::{EXTENT_MAX, Xml, attribute, check_excluded};
+use lin_canny_plan::{LinkBody, MotionKind, RobotLink};
 
 /// The one world or model of a file.
 struct Top<'n, 'a> {
@@ -342,12 +343,17 @@ impl<'a> Builder<'a> {
             });
         }
         let mut robot = tree.robot(name, robot_links, self.joints);
-        robot.adjacent = adjacent_by_joints(&robot.links, &robot.joints);
-        robot.excluded = excluded(&robot, &links).map_err(|reason| root.error(reason))?;
+        robot.model.adjacent = adjacent_by_joints(&robot.model.links, &robot.model.joints);
+        robot.model.excluded = excluded(&robot, &links).map_err(|reason| root.error(reason))?;
         robot.skipped = self.description.skipped;
         let drawn: HashMap<&str, usize> = links.iter().map(|link| (link.name.as_str(), link.frame)).collect();
-        for joint in robot.joints.iter().filter(|joint| joint.kind == MotionKind::Floating) {
-            let frame = drawn.get(robot.links[joint.child].name.as_str());
+        for joint in robot
+            .model
+            .joints
+            .iter()
+            .filter(|joint| joint.kind == MotionKind::Floating)
+        {
+            let frame = drawn.get(robot.model.links[joint.child].name.as_str());
             if let (Some(drive), Some(&frame)) = (joint.drive, frame) {
                 let pose = &self.poses.global[frame];
                 let position: [f64; 3] = pose.translation.vector.into();
@@ -365,7 +371,11 @@ impl<'a> Builder<'a> {
 /// Returns the pairs of bodies that collide by the masks of neither.
 fn excluded(robot: &Robot, links: &[Link]) -> Result<Vec<[usize; 2]>, FileErrorKind> {
     let by_name: HashMap<&str, &Link> = links.iter().map(|link| (link.name.as_str(), link)).collect();
-    let in_order = robot.links.iter().filter_map(|link| by_name.get(link.name.as_str()));
+    let in_order = robot
+        .model
+        .links
+        .iter()
+        .filter_map(|link| by_name.get(link.name.as_str()));
     let masks: Vec<[u32; 2]> = in_order
         .flat_map(|link| link.bodies.iter().map(|body| body.masks))
         .collect();

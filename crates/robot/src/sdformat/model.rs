@@ -12,9 +12,9 @@ use super::values::SdfFile;
 use crate::error::{FileError, FileErrorKind, Place, Skipped};
 use crate::options::LoadOptions;
 use crate::packages::Packages;
-use crate::robot::{LinkBody, MotionKind};
 use crate::turn::direction;
 use crate::xml::{attribute, check_name};
+use lin_canny_plan::{LinkBody, MotionKind};
 
 /// Maximum depth of nested models, included ones counted.
 const DEPTH: usize = 64;

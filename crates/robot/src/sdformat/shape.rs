@@ -13,7 +13,8 @@ use crate::geometry::{self, Solid};
 use crate::mesh_file::MeshPlacing;
 use crate::options::LoadOptions;
 use crate::packages::Packages;
-use crate::turn::{direction, from_z};
+use crate::turn::direction;
+use lin_canny_plan::turn_from_z;
 
 /// The names of the shapes.
 const SHAPES: [&str; 12] = [
@@ -115,7 +116,7 @@ pub(super) fn read(
             })?;
             let extent = options.plane_extent;
             let half_space = Solid::HalfSpace { extent }.geometry().map_err(wrong)?;
-            let pose = Isometry3::from_parts(Translation3::identity(), from_z(&normal));
+            let pose = Isometry3::from_parts(Translation3::identity(), turn_from_z(&normal));
             return Ok(Some(SdfShape {
                 pose,
                 ..half_space.into()

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use lin_canny::Progress;
 use lin_canny_robot::plan::receipt::Receipt;
-use lin_canny_robot::plan::{ClearanceWidth, RangeAnswer, RangeOptions};
+use lin_canny_robot::plan::{Checker, ClearanceWidth, RangeAnswer, RangeOptions};
 use lin_canny_robot::{AuditVerdict, LinkAudit, Srdf, audit};
 
 use super::audit_page::AuditPage;
@@ -57,8 +57,8 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn run(options: &AuditOptions) -> Result<End, ToolError> {
-    let (robot, setup) = options.robot.load()?;
-    let mut checker = setup.checker()?;
+    let (robot, cell) = options.robot.load()?;
+    let mut checker = Checker::of_robots(cell.clone())?;
     let earlier = options.resume.as_deref().map_or(Ok(Vec::new()), load)?;
     let mut range = RangeOptions::default().cells(options.cells);
     if options.width > 0.0 {
@@ -70,12 +70,13 @@ pub(super) fn run(options: &AuditOptions) -> Result<End, ToolError> {
         Progress::stop_if(options.seconds.is_some_and(|limit| began.elapsed() > limit))
     })?;
     bar.finish_and_clear();
-    let reasons: BTreeMap<[&str; 2], &str> = setup.excluded().collect();
+    let reasons: BTreeMap<[&str; 2], &str> = cell.excluded_names().into_iter().collect();
     let reason = |names: &[String; 2]| {
-        let [a, b] = names.each_ref().map(String::as_str);
-        reasons.get(&[a, b]).or_else(|| reasons.get(&[b, a])).copied()
+        let mut names = names.each_ref().map(String::as_str);
+        names.sort_unstable();
+        reasons.get(&names).copied().filter(|reason| !reason.is_empty())
     };
-    let coordinates = setup.coordinates();
+    let coordinates = cell.coordinates();
     let mut end = End::Free;
     for one in &found {
         say!("{}", line(one));
@@ -122,7 +123,7 @@ pub(super) fn run(options: &AuditOptions) -> Result<End, ToolError> {
     if let Some(file) = &options.receipt {
         let answers: Vec<RangeAnswer> = found.iter().flat_map(|one| one.answers.iter().cloned()).collect();
         let written = Receipt::range(&checker, &answers, options.receipt_cells);
-        let count = receipt::write(file, &options.robot, &setup, written)?;
+        let count = receipt::write(file, &options.robot, &cell, written)?;
         say!("{}: {count} cells with a plane", file.display());
     }
     if let Some(file) = &options.resume {

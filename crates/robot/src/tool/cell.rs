@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lin_canny_robot::CellFile;
+use lin_canny_robot::plan::Checker;
 
 use super::end::{End, ToolError};
 use super::options::RobotOptions;
@@ -22,12 +23,12 @@ pub(super) struct CellOptions {
 }
 
 pub(super) fn run(options: &CellOptions) -> Result<End, ToolError> {
-    let (_, setup) = options.robot.load()?;
-    let mut checker = setup.checker()?;
+    let (_, cell) = options.robot.load()?;
+    let mut checker = Checker::of_robots(cell.clone())?;
     if let Some(margin) = options.margin {
         checker.cell_mut().set_margin(margin)?;
     }
-    let file = CellFile::from_world(checker.cell());
+    let file = CellFile::from_cell(checker.cell());
     match &options.out {
         Some(path) => file.save(path)?,
         None => text::put(format_args!("{}", file.to_json()?)),

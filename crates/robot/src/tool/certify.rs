@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lin_canny_robot::plan::receipt::Receipt;
-use lin_canny_robot::plan::{self, Certified, JointMotion, PlanError, Verdict, nearest_name};
+use lin_canny_robot::plan::{self, Certified, Checker, JointMotion, PlanError, Verdict, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use super::end::{End, ToolError};
@@ -90,15 +90,15 @@ fn deviate(
 }
 
 pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
-    let (robot, setup) = options.robot.load()?;
-    let files = (&options.robot, &robot, &setup);
+    let (robot, cell) = options.robot.load()?;
+    let files = (&options.robot, &robot, &cell);
     let (file, read): (_, ReadRows) = match (&options.trajectory, &options.joints) {
         (Some(file), _) => (file, |file, of, rest| Trajectory::load_timed(file, of, rest)),
         (None, Some(file)) => (file, |file, of, rest| Trajectory::load_with_rest(file, of, rest)),
         (None, None) => return Ok(End::Unknown),
     };
     let mut path = options.rest.load(file, files, 2, read)?;
-    deviate(&mut path, &options.tube, setup.coordinates(), file)?;
+    deviate(&mut path, &options.tube, cell.coordinates(), file)?;
     let tubes = path.tubes()?;
     let without = [
         ("--start-contact", options.start_contact.is_some()),
@@ -115,7 +115,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
         true => "lines",
         false => "points",
     };
-    let mut checker = setup.checker()?;
+    let mut checker = Checker::of_robots(cell.clone())?;
     if let Some(margin) = options.margin {
         checker.cell_mut().set_margin(margin)?;
     }
@@ -143,7 +143,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
                 time,
                 value,
             } => {
-                let Coordinate { name, limits, .. } = &setup.coordinates()[coordinate];
+                let Coordinate { name, limits, .. } = &cell.coordinates()[coordinate];
                 let [low, high] = limits;
                 let at = place(time, time_at(&path, k, time));
                 let reason = format!(
@@ -218,7 +218,7 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
         }
         if let Some((t, q)) = contact {
             let at = place(t, time_at(&path, k, t));
-            let values = configuration(setup.coordinates(), &q);
+            let values = configuration(cell.coordinates(), &q);
             bar.suspend(|| say!("  not free in the tube {at}: {values}"));
         }
         table.row(&cells);
@@ -227,26 +227,26 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
     if let Some(file) = &options.csv {
         write(file, &table.text())?;
     }
-    film::record(&options.film, &setup, &path, (&curves, &verdicts), unit)?;
+    film::record(&options.film, &cell, &path, (&curves, &verdicts), unit)?;
     // A path of straight segments has no curves for spaces that follow segments alone.
     let motion = match curves.iter().any(|curve| curve.degree() > 1) {
         true => JointMotion::spline(&curves)?,
         false => JointMotion::path(&path.rows)?,
     };
     if let Some(file) = &options.scene {
-        receipt::write(file, &options.robot, &setup, Receipt::scene(&checker, &motion))?;
+        receipt::write(file, &options.robot, &cell, Receipt::scene(&checker, &motion))?;
     }
     match (&options.receipt, whole, blocked) {
         (None, ..) => {}
         (Some(file), Some(whole), None) if end == End::Free => {
             let written = Receipt::certified(&checker, &motion, &whole);
-            let count = receipt::write(file, &options.robot, &setup, written)?;
+            let count = receipt::write(file, &options.robot, &cell, written)?;
             say!("{}: {count} pieces of evidence", file.display());
         }
         (Some(file), _, Some((k, found))) => {
             let piece = motion.piece(k).unwrap_or(motion);
             let written = Receipt::certified(&checker, &piece, &found);
-            receipt::write(file, &options.robot, &setup, written)?;
+            receipt::write(file, &options.robot, &cell, written)?;
             let (from, to) = (path.lines[k], path.lines[k + 1]);
             say!("{}: proof of what blocks {unit} {from} to {to}", file.display());
         }

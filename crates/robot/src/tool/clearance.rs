@@ -4,10 +4,11 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use lin_canny_robot::Trajectory;
 use lin_canny_robot::plan::{
-    CellBody, CellPair, Checker, JointCurve, JointMotion, JointTree, NearPair, PlanError, SegmentClearance, Verdict,
+    Cell, CellBody, CellPair, Checker, JointCurve, JointMotion, JointTree, NearPair, PlanError, SegmentClearance,
+    Verdict,
 };
-use lin_canny_robot::{Setup, Trajectory};
 
 use super::end::{End, ToolError};
 use super::film::FilmOptions;
@@ -51,11 +52,11 @@ pub(super) struct ClearanceOptions {
 }
 
 pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
-    let (robot, setup) = options.robot.load()?;
+    let (robot, cell) = options.robot.load()?;
     let rows = options
         .rows
-        .load(&options.robot, &robot, &setup, if options.along { 2 } else { 1 })?;
-    let mut checker = checker(&setup, options.against)?;
+        .load(&options.robot, &robot, &cell, if options.along { 2 } else { 1 })?;
+    let mut checker = checker(&cell, options.against)?;
     if rows.times.is_none() {
         check_at_rest(checker.cell(), options.rows.file(), "a column \"time\"")?;
     }
@@ -71,15 +72,13 @@ pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
 }
 
 /// Returns the checker of the pairs to be measured.
-fn checker(setup: &Setup, against: Against) -> Result<Checker<JointTree>, ToolError> {
-    let checker = setup.checker()?;
-    if against == Against::All {
-        return Ok(checker);
+fn checker(cell: &Cell, against: Against) -> Result<Checker<JointTree>, ToolError> {
+    let mut cell = cell.clone();
+    if against != Against::All {
+        let is_of_cell = |pair: CellPair| matches!(pair.b, CellBody::Obstacle(_));
+        cell.exclude_if(|pair| is_of_cell(pair) != (against == Against::Cell));
     }
-    let mut cell = checker.cell().clone();
-    let is_of_cell = |pair: CellPair| matches!(pair.b, CellBody::Obstacle(_));
-    cell.exclude_if(|pair| is_of_cell(pair) != (against == Against::Cell));
-    Ok(Checker::new(checker.space().clone(), cell)?)
+    Ok(Checker::of_robots(cell)?)
 }
 
 const COLUMNS: [&str; 13] = [

@@ -5,9 +5,9 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use lin_canny_robot::plan::{Checker, JointCurve, JointTree, Verdict};
+use lin_canny_robot::plan::{Cell, Checker, JointCurve, JointTree, Verdict};
 use lin_canny_robot::record::{PageOptions, Recording, page};
-use lin_canny_robot::{Coordinate, RobotRecorder, Setup, Trajectory};
+use lin_canny_robot::{Coordinate, RobotRecorder, Trajectory};
 
 use super::end::ToolError;
 use super::text::{fraction_below, names, place, time_at, write};
@@ -95,14 +95,14 @@ impl FilmOptions {
 /// A segment that is blocked has one more frame, at the time of the contact.
 pub(super) fn record(
     film: &FilmOptions,
-    setup: &Setup,
+    cell: &Cell,
     path: &Trajectory,
     (curves, verdicts): (&[JointCurve], &[Verdict]),
     unit: &str,
 ) -> Result<(), ToolError> {
     // Another checker, so that the queries of the verdicts are counted alone.
-    let mut checker = setup.checker()?;
-    let coordinates = setup.coordinates();
+    let mut checker = Checker::of_robots(cell.clone())?;
+    let coordinates = cell.coordinates();
     let Some(mut recorder) = film.start(&checker, &path.rows[0])? else {
         return Ok(());
     };

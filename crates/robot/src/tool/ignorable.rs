@@ -26,9 +26,9 @@ pub(super) struct IgnorableOptions {
 }
 
 pub(super) fn run(options: &IgnorableOptions) -> Result<End, ToolError> {
-    let (robot, setup) = options.robot.load()?;
+    let (robot, cell) = options.robot.load()?;
     let bar = progress("configurations", options.samples);
-    let counts = find_excludable(&setup, options.samples, options.seed, &mut |progress| {
+    let counts = find_excludable(&cell, options.samples, options.seed, &mut |progress| {
         bar.set_position(progress.done as u64);
         ControlFlow::Continue(())
     })?;

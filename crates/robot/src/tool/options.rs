@@ -9,7 +9,7 @@ use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use lin_canny_robot::plan::{Cell, CellBody};
 use lin_canny_robot::{
-    Coordinate, FileError, FileErrorKind, LoadOptions, MeshUse, OtherRobot, Packages, Robot, RobotFiles, Setup,
+    Coordinate, FileError, FileErrorKind, LoadOptions, LoadedCell, MeshUse, OtherRobot, Packages, Robot, RobotFiles,
     Skipped, Srdf, Trajectory,
 };
 
@@ -137,11 +137,11 @@ impl RowOptions {
         &self,
         files: &RobotOptions,
         robot: &Robot,
-        setup: &Setup,
+        cell: &Cell,
         least: usize,
     ) -> Result<Trajectory, ToolError> {
         self.rest
-            .load(&self.joints, (files, robot, setup), least, |file, of, rest| {
+            .load(&self.joints, (files, robot, cell), least, |file, of, rest| {
                 Trajectory::load_with_rest(file, of, rest)
             })
     }
@@ -155,12 +155,12 @@ impl RestOptions {
     pub(super) fn load(
         &self,
         file: &Path,
-        (files, robot, setup): (&RobotOptions, &Robot, &Setup),
+        (files, robot, cell): (&RobotOptions, &Robot, &Cell),
         least: usize,
         read: ReadRows,
     ) -> Result<Trajectory, ToolError> {
-        let coordinates = setup.coordinates();
-        let mut values = self.values_of_states(files, robot, setup)?;
+        let coordinates = cell.coordinates();
+        let mut values = self.values_of_states(files, robot, cell)?;
         let rest = self.rest.as_ref().map(|file| Trajectory::load_rest(file, coordinates));
         let rows = rest.unwrap_or(Ok(Vec::new())).and_then(|rest| {
             for (value, rest) in values.iter_mut().zip(rest) {
@@ -191,9 +191,9 @@ impl RestOptions {
         &self,
         files: &RobotOptions,
         robot: &Robot,
-        setup: &Setup,
+        cell: &Cell,
     ) -> Result<Vec<Option<f64>>, ToolError> {
-        let coordinates = setup.coordinates();
+        let coordinates = cell.coordinates();
         let mut found = vec![None; coordinates.len()];
         let Some(file) = files.srdf.as_ref().filter(|_| !self.state.is_empty()) else {
             return Ok(found);
@@ -326,8 +326,8 @@ impl RobotOptions {
         &self.robot
     }
 
-    /// Returns the robot, and the setup of robot and cell for a checker.
-    pub(super) fn load(&self) -> Result<(Robot, Setup), ToolError> {
+    /// Returns the robot, and the cell of the robots and all bodies.
+    pub(super) fn load(&self) -> Result<(Robot, Cell), ToolError> {
         let link_meshes = self.link.iter().map(|(link, kind)| (link.clone(), (*kind).into()));
         let angle = self.turns * std::f64::consts::TAU;
         let mut options = LoadOptions::default()
@@ -350,27 +350,23 @@ impl RobotOptions {
             paddings: self.pad.clone(),
             excluded: self.exclude.clone(),
         };
-        let (robot, mut setup) = files.load()?;
-        setup.widen_limits(self.limit_slack);
-        for [a, b] in setup.exclusions_without_bodies() {
-            if self
-                .exclude
-                .iter()
-                .any(|pair| pair.each_ref().map(String::as_str) == [a, b])
-            {
-                warn!("warning: --exclude {a},{b} excludes nothing: a link has no bodies");
-            }
-        }
-        warn_of_skipped(setup.skipped());
+        let LoadedCell {
+            robot,
+            mut cell,
+            skipped,
+            ..
+        } = files.load()?;
+        cell.widen_limits(self.limit_slack);
+        warn_of_skipped(&skipped);
         warn_of_turned_triangles(&robot);
         if self.hull_fit {
             print_hull_fits(&robot);
         }
-        Ok((robot, setup))
+        Ok((robot, cell))
     }
 }
 
-/// Warns of what the files name and the setup does not hold, once for each element and reason.
+/// Warns of what the files name and the cell does not hold, once for each element and reason.
 fn warn_of_skipped(skipped: &[Skipped]) {
     let mut counts: HashMap<(&str, &str), usize> = HashMap::new();
     for one in skipped {

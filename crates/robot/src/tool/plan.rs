@@ -63,10 +63,10 @@ pub(super) struct PlanArguments {
 }
 
 pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
-    let (robot, setup) = options.robot.load()?;
-    let rows = options.rows.load(&options.robot, &robot, &setup, 2)?;
+    let (robot, cell) = options.robot.load()?;
+    let rows = options.rows.load(&options.robot, &robot, &cell, 2)?;
     let (start, goal) = (&rows.rows[0], &rows.rows[rows.rows.len() - 1]);
-    let mut checker = setup.checker()?;
+    let mut checker = Checker::of_robots(cell.clone())?;
     check_at_rest(
         checker.cell(),
         options.rows.file(),
@@ -89,7 +89,7 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         return Ok(End::NoPath);
     };
     let short = Shortcuts::new(options.shorten, options.seed).shorten(&mut checker, &path)?;
-    let text = csv_text(setup.coordinates(), &short);
+    let text = csv_text(cell.coordinates(), &short);
     match &options.csv {
         Some(file) => write(file, &text)?,
         None => text::put(format_args!("{text}")),

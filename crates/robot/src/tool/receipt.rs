@@ -1,8 +1,9 @@
 //! Writes receipts to files.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use lin_canny_robot::Setup;
+use lin_canny_robot::plan::Cell;
 use lin_canny_robot::plan::receipt::{Receipt, ReceiptError};
 
 use super::end::ToolError;
@@ -22,14 +23,15 @@ pub(super) fn refused(file: &Path, reason: impl ToString) -> ToolError {
 pub(super) fn write(
     file: &Path,
     robot: &RobotOptions,
-    setup: &Setup,
+    cell: &Cell,
     receipt: Result<Receipt, ReceiptError>,
 ) -> Result<usize, ToolError> {
     let mut receipt = receipt.map_err(|error| refused(file, error))?;
-    receipt.set_reasons(|[a, b]| {
-        let mut known = setup.excluded();
-        let found = known.find(|(pair, _)| *pair == [a, b] || *pair == [b, a]);
-        found.map(|(_, reason)| format!("excluded: {reason}"))
+    let reasons: BTreeMap<[&str; 2], &str> = cell.excluded_names().into_iter().collect();
+    receipt.set_reasons(|mut names| {
+        names.sort_unstable();
+        let found = reasons.get(&names).filter(|reason| !reason.is_empty());
+        found.map(|reason| format!("excluded: {reason}"))
     });
     for named in robot.named_files() {
         let content = std::fs::read(named).map_err(|error| refused(named, error))?;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lin_canny::Progress;
-use lin_canny_robot::plan::{PlanError, SmoothOptions, Smoother, nearest_name};
+use lin_canny_robot::plan::{Checker, PlanError, SmoothOptions, Smoother, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use super::end::{End, ToolError};
@@ -87,15 +87,15 @@ impl SmoothArguments {
 }
 
 pub(super) fn run(options: &SmoothArguments) -> Result<End, ToolError> {
-    let (robot, setup) = options.robot.load()?;
-    let path = options.rows.load(&options.robot, &robot, &setup, 1)?;
-    let coordinates = setup.coordinates();
+    let (robot, cell) = options.robot.load()?;
+    let path = options.rows.load(&options.robot, &robot, &cell, 1)?;
+    let coordinates = cell.coordinates();
     let velocity = options.limits("velocity", &options.velocity, coordinates, |c| c.velocity)?;
     let acceleration = options.limits("acceleration", &options.acceleration, coordinates, |_| None)?;
     let smooth = SmoothOptions::new(velocity, acceleration)
         .continuous_acceleration(options.continuous_acceleration)
         .deviation(options.deviation.unwrap_or(f64::INFINITY));
-    let mut checker = setup.checker()?;
+    let mut checker = Checker::of_robots(cell.clone())?;
     if let Some(margin) = options.margin {
         checker.cell_mut().set_margin(margin)?;
     }

@@ -66,9 +66,9 @@ pub(super) fn body<'s>(
     row: usize,
     what: &str,
 ) -> Result<&'s Geometry, RowError> {
-    let (name, world) = (word(names, row, what)?, study.world());
-    let mut bodies = world.bodies().filter(|(_, of_body)| *of_body == name);
-    match (bodies.next().and_then(|(id, _)| world.geometry(id)), bodies.count()) {
+    let (name, cell) = (word(names, row, what)?, study.cell());
+    let mut bodies = cell.bodies().filter(|(_, of_body)| *of_body == name);
+    match (bodies.next().and_then(|(id, _)| cell.geometry(id)), bodies.count()) {
         (Some(only), 0) => Ok(only),
         (first, more) => Err(RowError::Name {
             name: name.to_owned(),

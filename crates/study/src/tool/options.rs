@@ -106,7 +106,7 @@ impl StudyArguments {
             .lenient(self.lenient);
         options.margin = self.margin;
         let study = Study::load(&files, options)?;
-        for skipped in study.setup().skipped() {
+        for skipped in study.skipped() {
             warn!("warning: {skipped}");
         }
         warn!("robot, cell and options: {}", study.fingerprint());

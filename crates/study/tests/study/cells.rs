@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use datafusion::arrow::array::RecordBatch;
-use lin_canny_plan::RangeOptions;
+use lin_canny_plan::{Checker, RangeOptions};
 use lin_canny_robot::{AuditVerdict, audit};
 use lin_canny_study::robot::RobotFiles;
 use lin_canny_study::{Study, StudyError, StudyOptions, audited, engine, flat};
@@ -37,7 +37,7 @@ const PROOFS: &str = "SELECT a, b, prove_pair(a, b, low, high, 200) AS proof FRO
 fn cells_have_together_the_verdicts_of_an_audit() {
     let study = robot();
     let cells = audited::cells(&study, 4).expect("cells");
-    let mut checker = study.setup().checker().expect("a checker");
+    let mut checker = Checker::of_robots(study.cell().clone()).expect("a checker");
     let options = RangeOptions::default().cells(200);
     let all = audit(&mut checker, &options, &[], &mut |_| ControlFlow::Continue(())).expect("an audit");
     assert!(cells.num_rows() > all.len(), "{} cells", cells.num_rows());

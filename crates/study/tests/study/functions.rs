@@ -6,7 +6,7 @@ use datafusion::arrow::array::{ArrayRef, Int64Array, RecordBatch, StructArray};
 use datafusion::arrow::buffer::NullBuffer;
 use datafusion::arrow::datatypes::{DataType, Field};
 use lin_canny_plan::receipt::Receipt;
-use lin_canny_plan::{JointMotion, Verdict};
+use lin_canny_plan::{Checker, JointMotion, Verdict};
 use lin_canny_study::robot::{Cell, RobotFiles};
 use lin_canny_study::sampled::Source;
 use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
@@ -46,7 +46,7 @@ fn clearances_are_those_of_a_new_checker() {
     for row in values(&found) {
         let bits = |text: &String| f64::from_bits(u64::from_str_radix(text, 16).expect("bits"));
         let q: Vec<f64> = row[..6].iter().map(bits).collect();
-        let mut checker = study.setup().checker().expect("a checker");
+        let mut checker = Checker::of_robots(study.cell().clone()).expect("a checker");
         let near = checker.clearance(&q).expect("a configuration").expect("a pair");
         let numbers = |list: &[f64]| list.iter().map(|x| format!("{:016x}", x.to_bits())).collect::<Vec<_>>();
         let mut expected = numbers(&[near.distance, near.lower, near.upper]);
@@ -100,7 +100,7 @@ fn an_attached_object_a_padding_and_an_excluded_pair_are_those_of_the_checker() 
     for row in values(&asked(&study, 400, &query).expect("rows")) {
         let bits = |text: &String| f64::from_bits(u64::from_str_radix(text, 16).expect("bits"));
         let q: Vec<f64> = row[..6].iter().map(bits).collect();
-        let mut checker = study.setup().checker().expect("a checker");
+        let mut checker = Checker::of_robots(study.cell().clone()).expect("a checker");
         checker.cell_mut().set_margin(0.01).expect("a margin");
         let near = checker.nearest(&q, 0.1).expect("a configuration");
         assert_eq!(bits(&row[7]).to_bits(), near[0].distance.to_bits(), "{q:?}");
@@ -121,12 +121,12 @@ fn an_attached_object_a_padding_and_an_excluded_pair_are_those_of_the_checker() 
 
 #[test]
 fn a_saved_world_is_the_same_study() {
-    let mut checker = files().load().expect("the example").1.checker().expect("a checker");
+    let mut checker = Checker::of_robots(files().load().expect("the example").cell).expect("a checker");
     checker.cell_mut().set_margin(0.02).expect("a margin");
     checker.cell_mut().pad("gripper", 0.01).expect("a padding");
     checker.cell_mut().exclude("base", "gripper").expect("a pair");
     let file = crate::scratch("saved").join("cell.json");
-    Cell::from_world(checker.cell()).save(&file).expect("a file");
+    CellFile::from_cell(checker.cell()).save(&file).expect("a file");
     let mut saved = files();
     saved.cell = Some(file);
     let of = |options| Study::load(&saved, options).expect("the saved cell");
@@ -135,7 +135,7 @@ fn a_saved_world_is_the_same_study() {
         .with_checker(|c| (c.cell().margin(), c.cell().clone()))
         .expect("a checker");
     assert_eq!(again.0, 0.02);
-    let text = |cell| Cell::from_world(cell).to_json().expect("a text");
+    let text = |cell| CellFile::from_cell(cell).to_json().expect("a text");
     assert_eq!(text(&again.1), text(checker.cell()));
     // The same margin in other words is the same study, another margin is another.
     assert_eq!(
@@ -195,7 +195,10 @@ fn segments_are_certified_as_by_a_new_checker() {
     for row in values(&asked(&study, 1500, &text).expect("rows")) {
         let bits = |text: &String| f64::from_bits(u64::from_str_radix(text, 16).expect("bits"));
         let from: Vec<f64> = row[..6].iter().map(bits).collect();
-        let (mut to, mut checker) = (from.clone(), study.setup().checker().expect("a checker"));
+        let (mut to, mut checker) = (
+            from.clone(),
+            Checker::of_robots(study.cell().clone()).expect("a checker"),
+        );
         (to[0], to[2]) = (bits(&row[6]), bits(&row[7]));
         let verdict = checker
             .certify(&JointMotion::segment(&from, &to))
@@ -228,7 +231,10 @@ fn receipts_are_those_of_a_new_checker() {
     for row in values(&asked(&study, 60, &text).expect("rows")) {
         let bits = |text: &String| f64::from_bits(u64::from_str_radix(text, 16).expect("bits"));
         let from: Vec<f64> = row[..6].iter().map(bits).collect();
-        let (mut to, mut checker) = (from.clone(), study.setup().checker().expect("a checker"));
+        let (mut to, mut checker) = (
+            from.clone(),
+            Checker::of_robots(study.cell().clone()).expect("a checker"),
+        );
         (to[0], to[2]) = (bits(&row[6]), bits(&row[7]));
         let (text, error) = match Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)) {
             Ok(receipt) => (receipt.to_string(), String::new()),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use datafusion::arrow::array::{Float64Builder, ListBuilder, RecordBatch, UInt64Array};
 use lin_canny::PointQuery;
 use lin_canny::nalgebra::Point3;
-use lin_canny_plan::{JointCurve, JointMotion, Verdict};
+use lin_canny_plan::{Checker, JointCurve, JointMotion, Verdict};
 use lin_canny_study::robot::RobotFiles;
 use lin_canny_study::sampled::Source;
 use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
@@ -230,7 +230,7 @@ fn curves_are_certified_as_by_a_new_checker() {
     assert_eq!(found.len(), curves.len());
     let mut seen = [0; 2];
     for (row, curve) in found.iter().zip(&curves) {
-        let mut checker = study.setup().checker().expect("a checker");
+        let mut checker = Checker::of_robots(study.cell().clone()).expect("a checker");
         let curve = JointCurve::bezier(curve).expect("a curve");
         let verdict = checker.certify(&JointMotion::curve(&curve)).expect("configurations");
         assert_eq!(bits(&row[2]).to_bits(), verdict.free_until().to_bits());

@@ -2,8 +2,8 @@
 
 use crate::{Random, Teller};
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_plan::ConfigurationSpace;
-use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Setup, Trajectory};
+use lin_canny_plan::{Cell, Checker, ConfigurationSpace};
+use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Trajectory};
 use std::fmt::Write;
 
 /// Returns a decimal of three digits up to `most` thousandths, so that the text is short.
@@ -24,13 +24,13 @@ fn tell_robot(t: &mut Teller, r: &mut Random, text: &str, name: &str, cell: Opti
         t.tell("joint", (joint.origin, joint.axis));
         t.tell("link", link.bodies.iter().map(|b| b.origin).collect::<Vec<_>>());
     }
-    let mut setup = Setup::new();
-    setup.robot("", &robot, Isometry3::identity());
+    let mut setup = Cell::new();
+    setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
     setup.exclude_adjacent();
     if let Some(cell) = cell {
-        setup.cell(cell);
+        cell.add_to(&mut setup).expect("a cell");
     }
-    let mut checker = setup.checker().expect("a checker");
+    let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     for _ in 0..5 {
         let q = checker.space().sample(&mut || r.range(0.0, 1.0));
         t.tell("clearance", checker.clearance(&q));

@@ -15,7 +15,8 @@ pub fn in_cell() -> Result<(JointTree, Cell), Trouble> {
     let mut cell = Cell::new();
     let arm = robot::arm(&mut cell)?;
     for (name, shape, pose) in cell::things(&[])? {
-        cell.add_obstacle(name, shape, pose).expect("an obstacle");
+        cell.add_obstacle(cell.free_name(&name), shape, pose)
+            .expect("an obstacle");
     }
     robot::exclude(&mut cell, true)?;
     Ok((arm, cell))

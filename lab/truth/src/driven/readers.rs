@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 use lin_canny::scene::Scene;
 use lin_canny::{Geometry, PairTracker, QueryOptions, RelativePose, Replay};
 use lin_canny_formats::{Grid, Invalid, MeshFile, PointFile};
-use lin_canny_plan::{Cell, ConfigurationSpace, JointCurve, RangeAnswer};
+use lin_canny_plan::{Cell, Checker, ConfigurationSpace, JointCurve, RangeAnswer};
 use lin_canny_robot::record::{Cursor, Recording};
-use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Setup, Srdf, Trajectory, csv_text};
+use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Srdf, Trajectory, csv_text};
 use nalgebra::Isometry3;
 pub use peak_alloc::PeakAlloc;
 
@@ -280,8 +280,8 @@ fn robot(text: &str) {
     let Some(robot) = parsed(text, || Robot::parse(text, FILE, &Packages::default(), &options)) else {
         return;
     };
-    let mut setup = Setup::new();
-    setup.robot("", &robot, Isometry3::identity());
+    let mut setup = Cell::new();
+    setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
     setup.exclude_adjacent();
     let Ok(space) = setup.space() else { return };
     let (mut poses, mut state) = (Vec::new(), 0.0);
@@ -315,12 +315,16 @@ fn cell(text: &str) {
     let Some(cell) = parsed(text, || CellFile::parse(text, FILE, &Packages::default(), &options)) else {
         return;
     };
-    let mut setup = Setup::new();
-    setup.robot("", &ROBOT, Isometry3::identity());
-    setup.cell(&cell);
+    let mut setup = Cell::new();
+    setup.add_robot("", &*ROBOT, Isometry3::identity()).expect("a robot");
     // Poses and names may be out of range, which is an error.
-    let Ok(checker) = setup.checker() else { return };
-    let saved = CellFile::from_world(checker.cell())
+    if cell.add_to(&mut setup).is_err() {
+        return;
+    }
+    let Ok(checker) = Checker::of_robots(setup.clone()) else {
+        return;
+    };
+    let saved = CellFile::from_cell(checker.cell())
         .to_json()
         .expect("a world is written");
     let again = CellFile::parse(&saved, FILE, &Packages::default(), &options).expect("what was written is read");

@@ -18,7 +18,7 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_plan::{
     Cell, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, TreeJoint, Verdict,
 };
-use lin_canny_robot::{ExcludeReason, RobotFiles, find_excludable};
+use lin_canny_robot::{ExcludeReason, RobotFiles, Srdf, find_excludable};
 use race::common::{Options, Rows, median};
 use truth::arm::chain::chain;
 use truth::arm::{self, Trouble, robot};
@@ -209,18 +209,16 @@ fn middle(mut times: Vec<f64>) -> f64 {
 fn from_file(robot: PathBuf, srdf: Option<PathBuf>, posts: Option<f64>) -> Result<(JointTree, Cell), Trouble> {
     let mut files = RobotFiles::new(robot);
     files.srdf = srdf;
-    let mut setup = files.load()?.1;
+    let mut cell = files.load()?.cell;
     if files.srdf.is_none() {
-        let mut counts = find_excludable(&setup, SAMPLES, 1, &mut |_| ControlFlow::Continue(()))?;
+        let mut counts = find_excludable(&cell, SAMPLES, 1, &mut |_| ControlFlow::Continue(()))?;
         counts.retain(|pair| pair.reason != Some(ExcludeReason::Never));
-        setup.exclude_counts(&counts);
+        Srdf::from_counts(&counts).exclude_in(&mut cell, "")?;
     }
-    let checker = setup.checker()?;
-    let mut cell = checker.cell().clone();
     if let Some(posts) = posts {
         truth::arm::chain::posts(&mut cell, posts)?;
     }
-    Ok((checker.space().clone(), cell))
+    Ok((cell.space()?, cell))
 }
 
 /// Returns the length of the path of the body that moves farthest along a curve.

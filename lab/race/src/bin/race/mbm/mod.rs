@@ -20,8 +20,10 @@ use std::path::Path;
 
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree, PlanMethod, PlanOptions, Shortcuts};
-use lin_canny_robot::{CellFile, LoadOptions, MeshUse, Packages, Robot, Setup, Srdf};
+use lin_canny_plan::{
+    Cell, Checker, ConfigurationSpace, JointMotion, JointTree, PairBoxes, PlanError, PlanMethod, PlanOptions, Shortcuts,
+};
+use lin_canny_robot::{CellFile, LoadOptions, MeshUse, Packages, Robot, Srdf};
 use race::common::Options;
 use race::progress::Progress;
 
@@ -100,7 +102,9 @@ pub(crate) fn run(options: &Options, data: Option<&Path>, paths: Option<&Path>) 
 struct Bench {
     name: &'static str,
     robot: Robot,
-    setup: Setup,
+    cell: Cell,
+    space: JointTree,
+    pairs: PairBoxes,
     packages: Packages,
     options: LoadOptions,
 }
@@ -112,19 +116,22 @@ impl Bench {
         let robot = Robot::load_with(folder.join(format!("{name}.urdf")), &packages, &options);
         let robot = robot.map_err(|e| e.to_string())?;
         let srdf = Srdf::load(folder.join(format!("{name}.srdf")), &robot).map_err(|e| e.to_string())?;
-        let mut setup = Setup::new();
-        setup.robot("", &robot, Isometry3::identity());
-        setup.exclude_adjacent();
-        setup.exclude_srdf("", &srdf);
+        let text = |error: PlanError| error.to_string();
+        let mut cell = Cell::new();
+        cell.add_robot("", &robot, Isometry3::identity()).map_err(text)?;
+        cell.exclude_adjacent();
+        srdf.exclude_in(&mut cell, "").map_err(text)?;
+        let mut checker = Checker::of_robots(cell).map_err(text)?;
         let began = ThreadTime::now();
-        let pairs = setup.prepare_pairs(PAIR_BOXES);
-        let pairs = pairs.map_err(|e| e.to_string())?.pairs().count();
-        let seconds = began.elapsed().as_secs_f64();
-        println!("{name}: boxes of {pairs} pairs of links in {seconds:.2} s");
+        let pairs = PairBoxes::search(&mut checker, PAIR_BOXES, &mut |_| ControlFlow::Continue(())).map_err(text)?;
+        let (count, seconds) = (pairs.pairs().count(), began.elapsed().as_secs_f64());
+        println!("{name}: boxes of {count} pairs of links in {seconds:.2} s");
         Ok(Self {
             name,
             robot,
-            setup,
+            cell: checker.cell().clone(),
+            space: checker.space().clone(),
+            pairs,
             packages,
             options,
         })
@@ -136,10 +143,13 @@ impl Bench {
     }
 
     fn checker(&self, problem: &Problem) -> Result<Checker<JointTree>, String> {
-        let mut setup = self.setup.clone();
-        let cell = CellFile::parse(&problem.cell, "cell.json", &self.packages, &self.options);
-        setup.cell(&cell.map_err(|e| e.to_string())?);
-        setup.checker().map_err(|e| e.to_string())
+        let mut cell = self.cell.clone();
+        let file = CellFile::parse(&problem.cell, "cell.json", &self.packages, &self.options);
+        let text = |error: PlanError| error.to_string();
+        file.map_err(|e| e.to_string())?.add_to(&mut cell).map_err(text)?;
+        let mut checker = Checker::new(self.space.clone(), cell).map_err(text)?;
+        checker.set_pair_boxes(&self.pairs).map_err(text)?;
+        Ok(checker)
     }
 
     /// Returns start and goal in the order of the robot's coordinates.
