@@ -58,6 +58,7 @@ impl std::fmt::Display for BodyName {
 
 /// A name in a JSON file: `"post"`, or `["post", 1]` for the second body of this name.
 #[derive(serde::Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged)]
 enum NameText {
     All(String),
@@ -121,6 +122,7 @@ impl From<NameText> for BodyName {
 ///
 /// | key | value |
 /// |---|---|
+/// | `$schema` | the path of the JSON Schema, `docs/cell.schema.json` of this package, with which editors complete and check the file |
 /// | `attached` | objects: `{"link": "hand", "body": {...}}`, with the pose in the frame of the link and `touch_links` in the body |
 /// | `margin` | the distance that all pairs must keep |
 /// | `paddings` | `[name, length]`: see [`Cell::pad`] |
@@ -193,25 +195,40 @@ impl NamedBodies {
 }
 
 #[derive(serde::Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct CellText {
+    /// The schema of this file, for editors.
+    #[serde(rename = "$schema")]
+    #[allow(dead_code, reason = "read, but not used")]
+    schema: Option<String>,
+    /// The obstacles.
     bodies: Vec<BodyText>,
+    /// Objects that links carry.
     #[serde(default)]
     attached: Vec<AttachedText>,
+    /// The distance that all pairs must keep, in the unit of the robot.
     margin: Option<f64>,
+    /// Names, and how much more the pairs of the bodies must keep.
     #[serde(default)]
     paddings: Vec<(NameText, f64)>,
+    /// Two names, and the distance that their pairs must keep, in place of the margin.
     #[serde(default)]
     margins: Vec<(NameText, NameText, f64)>,
+    /// Two names whose pairs are not checked, in addition to those of the robot.
     #[serde(alias = "ignore")]
     exclude: Option<Vec<[NameText; 2]>>,
+    /// Two names whose pairs are not checked; all other pairs are.
     exclude_exactly: Option<Vec<[NameText; 2]>>,
 }
 
 #[derive(serde::Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct AttachedText {
+    /// The link.
     link: String,
+    /// The object, in the frame of the link.
     body: BodyText,
 }
 
@@ -411,4 +428,22 @@ fn has_half_space(cell: &Cell, obstacle: &Obstacle) -> bool {
         }
         _ => false,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The schema beside the documentation is that of the reader's types. `UPDATE_SCHEMA=1` writes it.
+    #[test]
+    fn the_schema_of_a_cell_is_as_written() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/cell.schema.json");
+        let mut schema = schemars::schema_for!(CellText);
+        schema.insert("title".into(), "A cell of lin-canny".into());
+        let text = serde_json::to_string_pretty(&schema).expect("a schema") + "\n";
+        if std::env::var_os("UPDATE_SCHEMA").is_some() {
+            std::fs::write(&path, &text).expect("a file");
+        }
+        assert_eq!(std::fs::read_to_string(path).expect("the schema"), text);
+    }
 }

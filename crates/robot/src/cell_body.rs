@@ -108,36 +108,58 @@ pub(crate) fn parse_json<T: for<'a> serde::Deserialize<'a>>(text: &str, path: &P
 
 /// A body of a cell, or an attached object.
 #[derive(serde::Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BodyText {
+    /// The name; the second body of one name is `name#2` in the cell.
     pub(crate) name: String,
+    /// A box about the origin.
     #[serde(rename = "box")]
     block: Option<BlockText>,
+    /// A cylinder along z, about the origin.
     cylinder: Option<RoundText>,
+    /// A capsule along z, about the origin; the length is that of its axis.
     capsule: Option<RoundText>,
+    /// A ball about the origin.
     sphere: Option<SphereText>,
+    /// An ellipsoid about the origin.
     ellipsoid: Option<EllipsoidText>,
+    /// A cone along z with its apex above, about the origin.
     cone: Option<RoundText>,
+    /// A mesh of a file.
     mesh: Option<MeshText>,
+    /// A ball or a box about each of many points.
     cloud: Option<CloudText>,
+    /// Cells of a grid.
     voxels: Option<VoxelsText>,
+    /// The points x with `normal . x <= offset`.
     half_space: Option<HalfSpaceText>,
+    /// A height field.
     heights: Option<HeightsText>,
+    /// Any geometry, in the form in which lin-canny serialises it.
+    #[cfg_attr(test, schemars(with = "Option<serde_json::Value>"))]
     geometry: Option<Geometry>,
+    /// The position: in the world, or of an attached object in the frame of its link.
     xyz: Option<[f64; 3]>,
+    /// Roll, pitch and yaw in radians.
     rpy: Option<[f64; 3]>,
+    /// The rotation as a quaternion, in place of `rpy`.
     xyzw: Option<[f64; 4]>,
+    /// Poses at times of an obstacle that moves, in place of `xyz`, `rpy` and `xyzw`.
     pub(crate) poses: Option<PosesText>,
+    /// Links that an attached object may touch.
     pub(crate) touch_links: Option<Vec<String>>,
 }
 
 #[derive(serde::Deserialize, serde::Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BlockText {
     pub(crate) size: [f64; 3],
 }
 
 #[derive(serde::Deserialize, serde::Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RoundText {
     pub(crate) radius: f64,
@@ -145,48 +167,66 @@ pub(crate) struct RoundText {
 }
 
 #[derive(serde::Deserialize, serde::Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SphereText {
     pub(crate) radius: f64,
 }
 
 #[derive(serde::Deserialize, serde::Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(crate) struct EllipsoidText {
     pub(crate) radii: [f64; 3],
 }
 
 #[derive(serde::Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct MeshText {
+    /// A path, relative to the folder of this file, or `package://` or `file://`.
     file: String,
+    /// Factors along x, y and z.
     scale: Option<[f64; 3]>,
+    /// The body that is made of the mesh.
     #[serde(rename = "as")]
     usage: Option<MeshUse>,
 }
 
 #[derive(serde::Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct CloudText {
+    /// A file of points: PLY, PCD, XYZ or npy.
     file: Option<String>,
+    /// The points, in place of a file.
     points: Option<Vec<[f64; 3]>>,
+    /// The radius of a ball about each point.
     radius: Option<f64>,
+    /// The box about each point, in place of a radius.
     #[serde(rename = "box")]
     block: Option<BlockText>,
+    /// A factor of the points.
     scale: Option<f64>,
 }
 
 #[derive(serde::Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct VoxelsText {
+    /// A file of indices.
     file: Option<String>,
+    /// The indices of the filled cells, in place of a file.
     indices: Option<Vec<[f64; 3]>>,
+    /// The size of a cell: one number or three.
     size: SizeText,
+    /// The least corner of the cell with the indices 0, 0, 0.
     #[serde(default)]
     origin: [f64; 3],
 }
 
 #[derive(serde::Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(untagged)]
 enum SizeText {
     Cube(f64),
@@ -195,6 +235,7 @@ enum SizeText {
 
 /// Timed poses: a CSV file, or rows of time, position and quaternion.
 #[derive(serde::Deserialize, serde::Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum PosesText {
     File(String),
@@ -202,6 +243,7 @@ pub(crate) enum PosesText {
 }
 
 #[derive(serde::Deserialize, serde::Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(crate) struct HalfSpaceText {
     pub(crate) normal: [f64; 3],
@@ -210,11 +252,16 @@ pub(crate) struct HalfSpaceText {
 }
 
 #[derive(serde::Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct HeightsText {
+    /// A file of heights: rows of numbers, or an npy array of two axes.
     file: Option<String>,
+    /// The heights, in place of a file: value `[i][j]` is at `(i, j)` times the spacing.
     values: Option<Vec<Vec<f64>>>,
+    /// The spacing along x and y.
     spacing: [f64; 2],
+    /// The body is solid down to this height; an open surface without it.
     base: Option<f64>,
 }
 

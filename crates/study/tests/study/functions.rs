@@ -7,7 +7,7 @@ use datafusion::arrow::buffer::NullBuffer;
 use datafusion::arrow::datatypes::{DataType, Field};
 use lin_canny_plan::receipt::Receipt;
 use lin_canny_plan::{Checker, JointMotion, Verdict};
-use lin_canny_study::robot::{Cell, RobotFiles};
+use lin_canny_study::robot::{CellFile, RobotFiles};
 use lin_canny_study::sampled::Source;
 use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
 

@@ -364,6 +364,6 @@ pub(super) fn worlds(t: &mut Teller, r: &mut Random) {
         }
         t.tell("work", checker.work());
         let stored = serde_json::to_string(checker.cell()).expect("JSON");
-        t.tell("world", stored);
+        t.tell("cell", stored);
     }
 }
