@@ -141,9 +141,9 @@ fn wrong_points_are_named() {
             ["row 0 of its batch", "0 bodies have the name \"prat\""],
         ),
         (
-            "'twin'",
+            "'twin#3'",
             "0.0",
-            ["row 0 of its batch", "2 bodies have the name \"twin\""],
+            ["row 0 of its batch", "0 bodies have the name \"twin#3\""],
         ),
         (
             "CASE WHEN id = 3 THEN NULL ELSE 'ball' END",
