@@ -195,6 +195,6 @@ fn cell() -> String {
              \"rpy\": [0, 0, {turn:.4}]}}"
         ));
     }
-    let ignore = "  \"ignore\": [[\"base\", \"floor\"], [\"shoulder\", \"floor\"]]";
-    format!("{{\n  \"bodies\": [\n{}\n  ],\n{ignore}\n}}\n", lines.join(",\n"))
+    let exclude = "  \"exclude\": [[\"base\", \"floor\"], [\"shoulder\", \"floor\"]]";
+    format!("{{\n  \"bodies\": [\n{}\n  ],\n{exclude}\n}}\n", lines.join(",\n"))
 }
