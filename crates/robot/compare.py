@@ -1,9 +1,9 @@
 """Compares distances and times with coal through pinocchio, on robots that nobody here wrote.
 
     pip install pin coal example-robot-data, and the Python package lin-canny
-    cargo build --release -p lin-canny-robot
-    python crates/robot/compare.py --tool target/release/lin-canny-robot --rows 10000
-    python crates/robot/compare.py --tool target/release/lin-canny-robot --segments 1000 --places 10000
+    cargo build --release -p lin-canny-cli
+    python crates/robot/compare.py --tool target/release/lin-canny --rows 10000
+    python crates/robot/compare.py --tool target/release/lin-canny --segments 1000 --places 10000
 
 Meshes are convex hulls on both sides, or the triangles as they are with `--geometry mesh`. Pairs are
 the same on both sides: all but adjacent links and those that met at each of 1,000 configurations. Configurations are uniform
@@ -96,7 +96,7 @@ class Case:
 
     def checked(self, tool):
         """Write the pairs to ignore as SRDF, and return the others."""
-        _, said = run([tool, "ignorable", self.urdf, *self.places, "--samples", "1000", "--out", self.srdf])
+        _, said = run([tool, "find-excluded", self.urdf, *self.places, "--samples", "1000", "--out", self.srdf])
         counted = re.findall(r"^(\w+) .* overlap: (\S+) - (\S+)$", said, re.M)
         ignored = ET.parse(self.srdf)
         for pair in ignored.findall("disable_collisions[@reason='Never']"):
@@ -158,7 +158,7 @@ class Case:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--tool", required=True, type=pathlib.Path, help="the program lin-canny-robot")
+    parser.add_argument("--tool", required=True, type=pathlib.Path, help="the program lin-canny")
     parser.add_argument("--rows", type=int, default=10_000, help="configurations of each robot")
     parser.add_argument("--geometry", choices=["hull", "mesh"], default="hull", help="what meshes become")
     parser.add_argument("--only", choices=list(ROBOTS), help="one robot")

@@ -682,8 +682,13 @@ const PACKAGES: &[(&str, &[&str])] = &[
             // Robots in a cell.
             "files excludable audit recorder",
             "cover hulls",
-            "tool: end text options receipt pair_boxes film drawing audit_page grid audit cell certify \
-             clearance cover ignorable plan points smooth verify mod",
+        ],
+    ),
+    (
+        "crates/cli/src",
+        &[
+            "end text options receipt pair_boxes film drawing audit_page grid",
+            "audit cell certify clearance cover find_excluded plan points smooth verify",
         ],
     ),
 ];

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 /// The packages of the workspace that have programs, examples or tests.
-const PACKAGES: [&str; 13] = [
+const PACKAGES: [&str; 14] = [
     ".",
     "crates/capi",
+    "crates/cli",
     "crates/formats",
     "crates/parry",
     "crates/plan",

@@ -308,7 +308,7 @@ impl Checker {
     ///
     /// A path that is free has one proof for each segment. A segment (two rows) that is blocked has
     /// the proof of its contact, and that all pairs are apart before. Write the text to a file without
-    /// changing line ends, and check it with `lin-canny-robot verify FILE` or `python3 verify.py FILE`.
+    /// changing line ends, and check it with `lin-canny verify FILE` or `python3 verify.py FILE`.
     ///
     /// Raises PlanError if a longer path is not free, or if the motion or a body has no receipt:
     /// clouds, surfaces, half-spaces and curved shapes but cylinders, cones and balls.

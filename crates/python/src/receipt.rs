@@ -56,7 +56,7 @@ impl PairTracker {
     ///
     /// It proves both bounds of the distance, or a common point. The distance of a closed mesh is that
     /// of its surface. `names` are the names of both bodies. Write the text to a file without changing
-    /// line ends, and check it with `lin-canny-robot verify FILE` or `python3 verify.py FILE`.
+    /// line ends, and check it with `lin-canny verify FILE` or `python3 verify.py FILE`.
     ///
     /// Raises PairError if a geometry has no receipt, or if no evidence is certain, for example
     /// because the bodies touch.

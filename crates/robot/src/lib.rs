@@ -42,8 +42,8 @@
 //! | write a recording, or a page that plays it | [`RobotRecorder`], [`record::page`] |
 //!
 //! The checker of [`lin_canny_plan`] computes clearances with bounds, proves segments free over
-//! their whole length, and searches for paths. The command line tool `lin-canny-robot` does the
-//! same without a program; it needs the feature `cli`, which is on by default.
+//! their whole length, and searches for paths. The command line tool `lin-canny` of the
+//! package `lin-canny-cli` does the same without a program.
 //!
 //! # How a URDF is converted
 //!

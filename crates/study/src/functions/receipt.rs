@@ -1,4 +1,4 @@
-//! `receipt(from, to)`: the proof of a segment as a text that `lin-canny-robot verify` checks.
+//! `receipt(from, to)`: the proof of a segment as a text that `lin-canny verify` checks.
 
 use datafusion::arrow::array::ArrayRef;
 use datafusion::error::Result;

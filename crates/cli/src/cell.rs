@@ -1,0 +1,44 @@
+//! The command `cell`: writes the world of robot, cell and options as one cell file.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use lin_canny_robot::CellFile;
+use lin_canny_robot::plan::Checker;
+
+use crate::end::{End, ToolError};
+use crate::options::RobotOptions;
+use crate::text;
+
+#[derive(Args)]
+pub(crate) struct CellOptions {
+    #[command(flatten)]
+    robot: RobotOptions,
+    /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    margin: Option<f64>,
+    /// Output file with the cell as JSON [default: stdout]
+    #[arg(long, value_name = "OUT.json")]
+    out: Option<PathBuf>,
+}
+
+pub(crate) fn run(options: &CellOptions) -> Result<End, ToolError> {
+    let (_, cell) = options.robot.load()?;
+    let mut checker = Checker::of_robots(cell.clone())?;
+    if let Some(margin) = options.margin {
+        checker.cell_mut().set_margin(margin)?;
+    }
+    let file = CellFile::from_cell(checker.cell());
+    match &options.out {
+        Some(path) => file.save(path)?,
+        None => text::put(format_args!("{}", file.to_json()?)),
+    }
+    warn!(
+        "obstacles: {}, attached objects: {}, paddings: {}, excluded pairs of bodies: {}",
+        file.obstacles.len(),
+        file.attached.len(),
+        file.paddings.len(),
+        checker.cell().excluded().len(),
+    );
+    Ok(End::Free)
+}

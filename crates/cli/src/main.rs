@@ -1,0 +1,120 @@
+//! `lin-canny`: clearances, proven motions and paths of a robot from its files, on a command line.
+//!
+//! One module for each command: it reads, asks, reports.
+#![forbid(unsafe_code)]
+// They panic if the reader of a pipe has gone: see `text::put`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+/// Writes a line to stdout.
+macro_rules! say {
+    ($($part:tt)*) => {
+        $crate::text::put(format_args!("{}\n", format_args!($($part)*)))
+    };
+}
+
+/// Writes a line to stderr.
+macro_rules! warn {
+    ($($part:tt)*) => {
+        $crate::text::complain(format_args!($($part)*))
+    };
+}
+
+mod audit;
+mod audit_page;
+mod cell;
+mod certify;
+mod clearance;
+mod cover;
+mod drawing;
+mod end;
+mod film;
+mod find_excluded;
+mod grid;
+mod options;
+mod pair_boxes;
+mod plan;
+mod points;
+mod receipt;
+mod smooth;
+mod text;
+mod verify;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use end::{End, ToolError};
+
+const ENDS: &str = "\
+Exit codes:
+  0  every row is clear, every segment is proven free, a path was found, a file was written, a
+     receipt holds, or `audit` decided every pair
+  1  a row is in contact, a segment is blocked, a receipt does not hold, or a pair excluded as
+     `Never` can meet
+  2  wrong arguments
+  3  a file is invalid or cannot be written
+  4  undecided: a pair is within rounding error of contact, or `audit` left a pair open
+  5  no path found within the limits; a path may exist
+  6  the start or the goal of `plan` is in contact or within the margin";
+
+/// Compute clearances, proven motions and paths of a robot from its URDF, MJCF or SDFormat, and
+/// distances of points
+#[derive(Parser)]
+#[command(name = "lin-canny", version, about, after_help = ENDS)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Find the closest pair at each row of a file of configurations, or along the motion between
+    Clearance(clearance::ClearanceOptions),
+    /// Prove that the motion from row to row is free, or report the time and the pair that collides
+    Certify(certify::CertifyOptions),
+    /// Search for a path from the first to the last row, with every segment proven free
+    Plan(plan::PlanArguments),
+    /// Prove which links can never meet each other or an obstacle, over the whole joint limits
+    Audit(audit::AuditOptions),
+    /// Turn a path of straight segments into a smooth trajectory within limits, proven free
+    Smooth(smooth::SmoothArguments),
+    /// Write the cell with attached objects, paddings, margin and excluded pairs as one cell file
+    Cell(cell::CellOptions),
+    /// Compute balls around and inside the links, or hulls of few faces around them, with proven gaps
+    Cover(cover::CoverOptions),
+    /// Find link pairs that always or never collide, and write them as SRDF
+    #[command(alias = "ignorable")]
+    FindExcluded(find_excluded::FindExcludedOptions),
+    /// Compute the signed distances of points, or of the nodes of a grid, from a mesh
+    Points(points::PointOptions),
+    /// Check a receipt of `certify` in exact arithmetic, and print what it proves
+    Verify(verify::VerifyOptions),
+}
+
+fn main() -> ExitCode {
+    let found = match Arguments::parse().command {
+        Command::Clearance(options) => clearance::run(&options),
+        Command::Certify(options) => certify::run(&options),
+        Command::Plan(options) => plan::run(&options),
+        Command::Audit(options) => audit::run(&options),
+        Command::Smooth(options) => smooth::run(&options),
+        Command::Cell(options) => cell::run(&options),
+        Command::Cover(options) => cover::run(&options),
+        Command::FindExcluded(options) => find_excluded::run(&options),
+        Command::Points(options) => points::run(&options),
+        Command::Verify(options) => verify::run(&options),
+    };
+    match found {
+        Ok(End::Free) => ExitCode::SUCCESS,
+        Ok(End::Blocked) => ExitCode::from(1),
+        Ok(End::Unknown) => ExitCode::from(4),
+        Ok(End::NoPath) => ExitCode::from(5),
+        Err(error) => {
+            warn!("lin-canny: {error}");
+            ExitCode::from(if matches!(error, ToolError::Blocked { .. }) {
+                6
+            } else {
+                3
+            })
+        }
+    }
+}

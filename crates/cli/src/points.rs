@@ -1,0 +1,98 @@
+//! The command `points`: signed distances of points, or of a grid of points, from a mesh.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use lin_canny::nalgebra::Point3;
+use lin_canny::{Mesh, MeshKind, PointOutcome, PointQuery};
+use lin_canny_formats::{Invalid, MeshFile, PointFile};
+
+use crate::end::{End, ToolError};
+use crate::grid::GridOptions;
+use crate::text::{progress, write};
+
+/// Number of points between two updates of the progress bar.
+const BLOCK: usize = 1 << 16;
+
+#[derive(Args)]
+pub(crate) struct PointOptions {
+    /// Mesh as STL, OBJ, COLLADA, PLY, glTF or MSH; all its objects are one body
+    #[arg(value_name = "MESH")]
+    mesh: PathBuf,
+    /// Points in the frame and unit of the mesh, as npy, PLY, PCD or XYZ
+    #[arg(long, value_name = "FILE", required_unless_present = "grid")]
+    points: Option<PathBuf>,
+    /// Output file with one row per point: the point, the signed distance and its bounds, the side,
+    /// the closest point and its triangle
+    #[arg(long, value_name = "OUT.csv", requires = "points")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    grid: GridOptions,
+}
+
+fn invalid(file: &Path, reason: impl ToString) -> ToolError {
+    ToolError::Input {
+        file: file.to_owned(),
+        reason: reason.to_string(),
+    }
+}
+
+pub(crate) fn run(options: &PointOptions) -> Result<End, ToolError> {
+    let read = MeshFile::load(&options.mesh)?;
+    let (points, triangles) = read.whole();
+    let corners: Vec<_> = points.into_iter().map(Point3::from).collect();
+    let mesh = Mesh::new(&corners, &triangles).map_err(|e| invalid(&options.mesh, e))?;
+    if mesh.kind() == MeshKind::Open {
+        let count = mesh.report().boundary_edges.len();
+        warn!("the mesh is open ({count} boundary edges): it has no inside, and no distance is negative");
+    }
+    if let Some(file) = &options.points {
+        measure(file, options, &mesh)?;
+    }
+    options.grid.run(&options.mesh, &mesh)?;
+    Ok(End::Free)
+}
+
+/// Measures the points of a file.
+fn measure(file: &Path, options: &PointOptions, mesh: &Mesh) -> Result<(), ToolError> {
+    let points = PointFile::read_with(file, Invalid::Refuse)?.points;
+    let points: Vec<_> = points.to_f64().into_iter().map(Point3::from).collect();
+    let query = PointQuery::new(mesh).prepared_for(points.len());
+    let bar = progress("points", points.len() as u64);
+    let mut found: Vec<PointOutcome> = Vec::with_capacity(points.len());
+    for block in points.chunks(BLOCK) {
+        found.extend(query.closest_points(block).map_err(|e| invalid(file, e))?);
+        bar.set_position(found.len() as u64);
+    }
+    bar.finish_and_clear();
+    let inside = found.iter().filter(|f| f.is_contained()).count();
+    let least = found.iter().map(|f| f.distance).fold(f64::INFINITY, f64::min);
+    say!(
+        "{} points, {inside} in the body or on its surface, least signed distance {least}",
+        found.len()
+    );
+    if let Some(csv) = &options.csv {
+        let mut text = String::from("x,y,z,distance,lower,upper,state,closest_x,closest_y,closest_z,triangle\n");
+        for (p, f) in points.iter().zip(&found) {
+            let (at, closest) = (p.coords, f.point);
+            let _ = writeln!(
+                text,
+                "{},{},{},{},{},{},{},{},{},{},{}",
+                at.x,
+                at.y,
+                at.z,
+                f.distance,
+                f.lower,
+                f.upper,
+                f.state,
+                closest.x,
+                closest.y,
+                closest.z,
+                f.location.subshape
+            );
+        }
+        write(csv, &text)?;
+    }
+    Ok(())
+}

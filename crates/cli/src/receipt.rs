@@ -1,0 +1,42 @@
+//! Writes receipts to files.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use lin_canny_robot::plan::Cell;
+use lin_canny_robot::plan::receipt::{Receipt, ReceiptError};
+
+use crate::end::ToolError;
+use crate::options::RobotOptions;
+use crate::text::write as write_text;
+
+/// Returns the error of a receipt that cannot be written or read.
+pub(crate) fn refused(file: &Path, reason: impl ToString) -> ToolError {
+    ToolError::Input {
+        file: file.to_owned(),
+        reason: reason.to_string(),
+    }
+}
+
+/// Writes a receipt with the files of the options and the reasons of excluded pairs, and returns
+/// the number of pieces of evidence.
+pub(crate) fn write(
+    file: &Path,
+    robot: &RobotOptions,
+    cell: &Cell,
+    receipt: Result<Receipt, ReceiptError>,
+) -> Result<usize, ToolError> {
+    let mut receipt = receipt.map_err(|error| refused(file, error))?;
+    let reasons: BTreeMap<[&str; 2], &str> = cell.excluded_names().into_iter().collect();
+    receipt.set_reasons(|mut names| {
+        names.sort_unstable();
+        let found = reasons.get(&names).filter(|reason| !reason.is_empty());
+        found.map(|reason| format!("excluded: {reason}"))
+    });
+    for named in robot.named_files() {
+        let content = std::fs::read(named).map_err(|error| refused(named, error))?;
+        receipt.add_file(&named.to_string_lossy(), &content);
+    }
+    write_text(file, &receipt.to_string())?;
+    Ok(receipt.certificates())
+}
