@@ -12,9 +12,10 @@ use lin_canny_robot::{AuditVerdict, LinkAudit, Srdf, audit};
 
 use crate::audit_page::AuditPage;
 use crate::end::{End, ToolError};
-use crate::options::{RobotOptions, duration};
+use crate::options::RobotOptions;
 use crate::receipt;
 use crate::text::{configuration, distance, progress, write};
+use crate::values;
 
 #[derive(Args)]
 pub(crate) struct AuditOptions {
@@ -24,10 +25,10 @@ pub(crate) struct AuditOptions {
     #[arg(long, value_name = "N", default_value_t = 20_000)]
     cells: u64,
     /// Time limit of the run in seconds: pairs without a verdict are then open [default: none]
-    #[arg(long, value_name = "S", value_parser = duration)]
+    #[arg(long, value_name = "S", value_parser = values::duration)]
     seconds: Option<Duration>,
     /// Width of the least clearance as a share of it; 0 proves only that pairs never meet
-    #[arg(long = "relative-width", alias = "width", value_name = "SHARE", default_value = "0.1", value_parser = share)]
+    #[arg(long = "relative-width", alias = "width", value_name = "SHARE", default_value = "0.1", value_parser = values::share)]
     width: f64,
     /// Output file with one row for each pair
     #[arg(long, value_name = "OUT.csv")]
@@ -50,12 +51,6 @@ pub(crate) struct AuditOptions {
     resume: Option<PathBuf>,
 }
 
-fn share(text: &str) -> Result<f64, String> {
-    let value = text.parse::<f64>().map_err(|e| e.to_string())?;
-    let value = Some(value).filter(|x| (0.0..1.0).contains(x));
-    value.ok_or("expected a number from 0 to below 1".into())
-}
-
 pub(crate) fn run(options: &AuditOptions) -> Result<End, ToolError> {
     let (robot, cell) = options.robot.load()?;
     let mut checker = Checker::of_robots(cell.clone())?;
@@ -64,9 +59,16 @@ pub(crate) fn run(options: &AuditOptions) -> Result<End, ToolError> {
     if options.width > 0.0 {
         range = range.width(ClearanceWidth::Share(options.width));
     }
-    let (began, bar) = (Instant::now(), progress("cells", options.cells));
+    let began = Instant::now();
+    let bar = match options.seconds {
+        Some(limit) => progress("seconds", limit.as_secs()),
+        None => progress("cells", options.cells),
+    };
     let found = audit(&mut checker, &range, &earlier, &mut |now| {
-        bar.set_position(now.done as u64);
+        bar.set_position(match options.seconds {
+            Some(_) => began.elapsed().as_secs(),
+            None => now.done as u64,
+        });
         Progress::stop_if(options.seconds.is_some_and(|limit| began.elapsed() > limit))
     })?;
     bar.finish_and_clear();

@@ -9,13 +9,14 @@ use lin_canny_robot::plan::Checker;
 use crate::end::{End, ToolError};
 use crate::options::RobotOptions;
 use crate::text;
+use crate::values;
 
 #[derive(Args)]
 pub(crate) struct CellOptions {
     #[command(flatten)]
     robot: RobotOptions,
     /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     margin: Option<f64>,
     /// Output file with the cell as JSON [default: stdout]
     #[arg(long, value_name = "OUT.json")]

@@ -9,10 +9,10 @@ use lin_canny_robot::plan::{self, Certified, Checker, JointMotion, PlanError, Ve
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use crate::end::{End, ToolError};
-use crate::options::{ReadRows, RestOptions, RobotOptions, check_at_rest, not_negative};
+use crate::options::{ReadRows, RestOptions, RobotOptions, check_at_rest};
 use crate::pair_boxes::PairBoxArguments;
 use crate::text::{Table, configuration, fraction_below, names, place, progress, time_at, write};
-use crate::{film, receipt};
+use crate::{film, receipt, values};
 
 #[derive(Args)]
 pub(crate) struct CertifyOptions {
@@ -32,16 +32,16 @@ pub(crate) struct CertifyOptions {
     rest: RestOptions,
     /// Let a joint deviate by this much, in radians or metres, instead of by its column `JOINT.tube`:
     /// everything in the tube is proven free; may be repeated
-    #[arg(long, value_name = "JOINT=X", value_parser = deviation, conflicts_with = "start_contact")]
+    #[arg(long, value_name = "JOINT=X", value_parser = values::named_number, conflicts_with = "start_contact")]
     tube: Vec<(String, f64)>,
     /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     margin: Option<f64>,
     #[command(flatten)]
     pair_boxes: PairBoxArguments,
     /// Accept pairs that are in contact at the start of a segment, within this distance in metres: they
     /// must not come closer until they have left it
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     start_contact: Option<f64>,
     /// Output file with the verdict of each segment
     #[arg(long, value_name = "OUT.csv")]
@@ -59,11 +59,6 @@ pub(crate) struct CertifyOptions {
 }
 
 const COLUMNS: [&str; 8] = ["from_line", "to_line", "verdict", "safe", "t", "time", "a", "b"];
-
-fn deviation(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.rsplit_once('=').ok_or("expected JOINT=X")?;
-    Ok((name.into(), not_negative(value)?))
-}
 
 /// Lets joints deviate by as much at each row.
 fn deviate(

@@ -13,6 +13,7 @@ use lin_canny_robot::{
 use crate::end::{End, ToolError};
 use crate::options::RobotOptions;
 use crate::text::{self, write};
+use crate::values;
 
 #[derive(Args)]
 pub(crate) struct CoverOptions {
@@ -22,7 +23,7 @@ pub(crate) struct CoverOptions {
     #[arg(long, value_name = "N", default_value_t = 8, conflicts_with = "gap")]
     balls: usize,
     /// Greatest distance by which balls stick out, in metres, in place of a number of balls
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     gap: Option<f64>,
     /// Greatest number of balls inside each collision element
     #[arg(long, value_name = "N", default_value_t = 8)]
@@ -32,16 +33,8 @@ pub(crate) struct CoverOptions {
     faces: Option<usize>,
     /// Output file: .urdf with outer balls as spheres or hulls as OBJ files beside it, or .json with
     /// all balls or hulls; may be repeated
-    #[arg(long, value_name = "OUT.urdf|OUT.json", value_parser = output)]
+    #[arg(long, value_name = "OUT.urdf|OUT.json", value_parser = values::cover_file)]
     out: Vec<PathBuf>,
-}
-
-fn output(name: &str) -> Result<PathBuf, String> {
-    let file = PathBuf::from(name);
-    match file.extension().and_then(|e| e.to_str()) {
-        Some("urdf" | "json") => Ok(file),
-        _ => Err("expected a name that ends with .urdf or .json".into()),
-    }
 }
 
 pub(crate) fn run(options: &CoverOptions) -> Result<End, ToolError> {

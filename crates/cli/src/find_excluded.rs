@@ -15,7 +15,7 @@ pub(crate) struct FindExcludedOptions {
     #[command(flatten)]
     robot: RobotOptions,
     /// Number of random configurations
-    #[arg(long, default_value_t = 10_000)]
+    #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..))]
     samples: u64,
     /// Random seed
     #[arg(long, default_value_t = 1)]

@@ -37,11 +37,14 @@ mod points;
 mod receipt;
 mod smooth;
 mod text;
+mod values;
 mod verify;
 
+use std::path::Path;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::error::ErrorKind;
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use end::{End, ToolError};
 
 const ENDS: &str = "\
@@ -90,8 +93,50 @@ enum Command {
     Verify(verify::VerifyOptions),
 }
 
+/// Returns an error if a command would write to a file that it reads.
+///
+/// The name of the value of an option says which it is: files that are written are `OUT`, or the page of
+/// an audit.
+fn check_outputs(command: &clap::Command, matches: &ArgMatches) -> Result<(), clap::Error> {
+    let Some((command, matches)) = matches
+        .subcommand()
+        .and_then(|(name, matches)| Some((command.find_subcommand(name)?, matches)))
+    else {
+        return Ok(());
+    };
+    let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
+    for argument in command.get_arguments() {
+        let id = argument.get_id().as_str();
+        let Ok(Some(values)) = matches.try_get_raw(id) else {
+            continue;
+        };
+        let of = argument.get_value_names().and_then(|names| names.first());
+        let is_written = of.is_some_and(|name| name.starts_with("OUT") || name.as_str() == "AUDIT.html");
+        for value in values.filter_map(|value| value.to_str()) {
+            // `PREFIX=FILE`
+            let parts = value.split_once('=').map(|(_, file)| file).into_iter().chain([value]);
+            let files = parts.filter_map(|part| Some((std::fs::canonicalize(part).ok()?, part)));
+            let all = if is_written { &mut outputs } else { &mut inputs };
+            all.extend(files.filter(|(file, _)| file.is_file()));
+        }
+    }
+    let is_read = |file: &Path| inputs.iter().any(|(input, _)| input == file);
+    match outputs.iter().find(|(file, _)| is_read(file)) {
+        None => Ok(()),
+        Some((_, name)) => {
+            let reason = format!("{name} would be written, but is read as well");
+            Err(command.clone().error(ErrorKind::ArgumentConflict, reason))
+        }
+    }
+}
+
 fn main() -> ExitCode {
-    let found = match Arguments::parse().command {
+    let mut command = Arguments::command();
+    command.build();
+    let matches = command.clone().get_matches();
+    let arguments = check_outputs(&command, &matches).and_then(|()| Arguments::from_arg_matches(&matches));
+    let arguments = arguments.unwrap_or_else(|error| error.exit());
+    let found = match arguments.command {
         Command::Clearance(options) => clearance::run(&options),
         Command::Certify(options) => certify::run(&options),
         Command::Plan(options) => plan::run(&options),

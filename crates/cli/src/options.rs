@@ -2,11 +2,10 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use lin_canny::Geometry;
-use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use lin_canny::nalgebra::Isometry3;
 use lin_canny_robot::plan::{Cell, CellBody};
 use lin_canny_robot::{
     Coordinate, FileError, FileErrorKind, LoadOptions, LoadedCell, MeshUse, OtherRobot, Packages, Robot, RobotFiles,
@@ -14,6 +13,7 @@ use lin_canny_robot::{
 };
 
 use crate::end::ToolError;
+use crate::values;
 
 /// The body that is made from a mesh.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -47,13 +47,13 @@ pub(crate) struct RobotOptions {
     srdf: Option<PathBuf>,
     /// Further robot in the same cell, with a prefix of all its names, such as `left_=ur5.urdf`: Q.csv
     /// and the trajectory have columns such as `left_elbow`; may be repeated
-    #[arg(long = "robot", value_name = "PREFIX=FILE", value_parser = prefixed_file)]
+    #[arg(long = "robot", value_name = "PREFIX=FILE", value_parser = values::prefixed_file)]
     others: Vec<(String, PathBuf)>,
     /// Pose of a further robot in the world, in metres and radians; may be repeated
-    #[arg(long, value_name = "PREFIX=X,Y,Z[,ROLL,PITCH,YAW]", value_parser = prefixed_pose, requires = "others")]
+    #[arg(long, value_name = "PREFIX=X,Y,Z[,ROLL,PITCH,YAW]", value_parser = values::prefixed_pose, requires = "others")]
     robot_pose: Vec<(String, Isometry3<f64>)>,
     /// Link pairs of a further robot to exclude, as SRDF without the prefix; may be repeated
-    #[arg(long, value_name = "PREFIX=FILE", value_parser = prefixed_file, requires = "others")]
+    #[arg(long, value_name = "PREFIX=FILE", value_parser = values::prefixed_file, requires = "others")]
     robot_srdf: Vec<(String, PathBuf)>,
     /// Obstacles as JSON or SDFormat (without effect in `find-excluded`)
     #[arg(long, value_name = "CELL.json")]
@@ -80,14 +80,14 @@ pub(crate) struct RobotOptions {
     skip_missing_meshes: bool,
     /// Add a padding to a link, an obstacle or an attached object, in metres: its pairs keep so much
     /// more than the margin; may be repeated
-    #[arg(long, value_name = "NAME=LENGTH", value_parser = padding)]
+    #[arg(long, value_name = "NAME=LENGTH", value_parser = values::named_number)]
     pad: Vec<(String, f64)>,
     /// Exclude all pairs of two links, or of a link and an obstacle; may be repeated
-    #[arg(long, alias = "allow", value_name = "A,B", value_parser = name_pair)]
+    #[arg(long, alias = "allow", value_name = "A,B", value_parser = values::name_pair)]
     exclude: Vec<[String; 2]>,
     /// Attach an object to a link: a JSON file with a body of a cell, its pose in the frame of the
     /// link, and `touch_links`; may be repeated
-    #[arg(long, value_name = "LINK=FILE.json", value_parser = attachment)]
+    #[arg(long, value_name = "LINK=FILE.json", value_parser = values::attachment)]
     attach: Vec<(String, PathBuf)>,
     /// Reject files of clouds with points without a return instead of dropping such points
     #[arg(long)]
@@ -96,11 +96,11 @@ pub(crate) struct RobotOptions {
     #[arg(long)]
     check_adjacent: bool,
     /// Full turns that a joint without limits may make each way
-    #[arg(long, value_name = "N", default_value = "2", value_parser = not_negative)]
+    #[arg(long, value_name = "N", default_value = "2", value_parser = values::not_negative)]
     turns: f64,
     /// Widen the limits of all joints by X at both ends, in radians or metres; recorded values often
     /// exceed a limit by 1e-7
-    #[arg(long, value_name = "X", default_value = "0", value_parser = not_negative)]
+    #[arg(long, value_name = "X", default_value = "0", value_parser = values::not_negative)]
     limit_slack: f64,
 }
 
@@ -230,58 +230,6 @@ impl RestOptions {
 fn link_geometry(text: &str) -> Result<(String, MeshGeometry), String> {
     let (link, kind) = text.rsplit_once('=').ok_or("expected LINK=KIND")?;
     Ok((link.into(), MeshGeometry::from_str(kind, true)?))
-}
-
-fn padding(text: &str) -> Result<(String, f64), String> {
-    let (name, length) = text.rsplit_once('=').ok_or("expected NAME=LENGTH")?;
-    Ok((name.into(), not_negative(length)?))
-}
-
-fn attachment(text: &str) -> Result<(String, PathBuf), String> {
-    let (link, file) = text.split_once('=').ok_or("expected LINK=FILE.json")?;
-    Ok((link.into(), file.into()))
-}
-
-fn prefixed_file(text: &str) -> Result<(String, PathBuf), String> {
-    let (prefix, file) = text.split_once('=').ok_or("expected PREFIX=FILE")?;
-    match prefix {
-        "" => Err("the prefix is empty".into()),
-        _ => Ok((prefix.into(), file.into())),
-    }
-}
-
-fn prefixed_pose(text: &str) -> Result<(String, Isometry3<f64>), String> {
-    let (prefix, pose) = text.split_once('=').ok_or("expected PREFIX=X,Y,Z[,ROLL,PITCH,YAW]")?;
-    let numbers = pose
-        .split(',')
-        .map(|x| x.trim().parse::<f64>().map_err(|e| format!("{x:?}: {e}")));
-    let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
-    let [x, y, z, ref rpy @ ..] = numbers[..] else {
-        return Err(format!("{} numbers (expected 3 or 6)", numbers.len()));
-    };
-    let [roll, pitch, yaw] = match *rpy {
-        [] => [0.0; 3],
-        [roll, pitch, yaw] => [roll, pitch, yaw],
-        _ => return Err(format!("{} numbers (expected 3 or 6)", numbers.len())),
-    };
-    if let Some(number) = numbers.iter().find(|x| !x.is_finite()) {
-        return Err(format!("number is not finite: {number}"));
-    }
-    let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-    Ok((prefix.into(), Isometry3::from_parts(Translation3::new(x, y, z), turn)))
-}
-
-fn name_pair(text: &str) -> Result<[String; 2], String> {
-    let (a, b) = text
-        .split_once(',')
-        .ok_or("expected two names with a comma between them")?;
-    Ok([a.into(), b.into()])
-}
-
-pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
-    let value = text.parse::<f64>().map_err(|e| e.to_string())?;
-    let value = Some(value).filter(|x| (0.0..f64::INFINITY).contains(x));
-    value.ok_or("expected a finite number, at least 0".into())
 }
 
 impl RobotOptions {
@@ -418,12 +366,6 @@ fn print_hull_fits(robot: &Robot) {
             );
         }
     }
-}
-
-/// Returns the time of a number of seconds.
-pub(crate) fn duration(text: &str) -> Result<Duration, String> {
-    let seconds = text.parse::<f64>().map_err(|e| e.to_string())?;
-    Duration::try_from_secs_f64(seconds).map_err(|e| e.to_string())
 }
 
 /// Returns an error if an obstacle moves, because `expected` is missing.

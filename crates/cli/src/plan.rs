@@ -10,9 +10,10 @@ use lin_canny_robot::{Trajectory, csv_text};
 
 use crate::end::{End, ToolError};
 use crate::film::{FRAMES, FilmOptions};
-use crate::options::{RobotOptions, RowOptions, check_at_rest, duration};
+use crate::options::{RobotOptions, RowOptions, check_at_rest};
 use crate::pair_boxes::PairBoxArguments;
-use crate::text::{self, distance, names, write};
+use crate::text::{self, distance, names, progress, write};
+use crate::values;
 
 /// The method of the search.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -44,7 +45,7 @@ pub(crate) struct PlanArguments {
     #[command(flatten)]
     film: FilmOptions,
     /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     margin: Option<f64>,
     #[command(flatten)]
     pair_boxes: PairBoxArguments,
@@ -55,7 +56,7 @@ pub(crate) struct PlanArguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Time limit of the search in seconds
-    #[arg(long, default_value = "10", value_parser = duration)]
+    #[arg(long, default_value = "10", value_parser = values::duration)]
     seconds: Duration,
     /// Number of attempts to shorten the path
     #[arg(long, default_value_t = 300)]
@@ -78,8 +79,13 @@ pub(crate) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     options.pair_boxes.set(&mut checker)?;
     let began = Instant::now();
     let search = PlanOptions::default().seed(options.seed).unlimited();
-    let mut stop = |_| Progress::stop_if(began.elapsed() > options.seconds);
+    let bar = progress("seconds", options.seconds.as_secs());
+    let mut stop = |_| {
+        bar.set_position(began.elapsed().as_secs());
+        Progress::stop_if(began.elapsed() > options.seconds)
+    };
     let found = PlanMethod::from(options.method).plan(&mut checker, [start, goal], &search, &mut stop);
+    bar.finish_and_clear();
     let found = match found {
         Err(PlanError::Contact { end, a, b }) => return Err(blocked(options, &mut checker, &rows, end, [a, b])),
         found => found?,

@@ -8,8 +8,9 @@ use lin_canny_robot::plan::{Checker, PlanError, SmoothOptions, Smoother, nearest
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use crate::end::{End, ToolError};
-use crate::options::{RobotOptions, RowOptions, not_negative};
+use crate::options::{RobotOptions, RowOptions};
 use crate::text::{self, progress, write};
+use crate::values::{self, Limit};
 
 #[derive(Args)]
 pub(crate) struct SmoothArguments {
@@ -19,35 +20,25 @@ pub(crate) struct SmoothArguments {
     rows: RowOptions,
     /// Greatest acceleration of all joints, such as `5`, or of one, such as `elbow=2`, in radians or
     /// metres per second squared; may be repeated, and a later one wins
-    #[arg(long, value_name = "[JOINT=]X", value_parser = limit, required = true)]
+    #[arg(long, value_name = "[JOINT=]X", value_parser = values::limit, required = true)]
     acceleration: Vec<Limit>,
     /// Greatest velocity of all joints or of one, in radians or metres per second; may be repeated
     /// [default: that of the URDF]
-    #[arg(long, value_name = "[JOINT=]X", value_parser = limit)]
+    #[arg(long, value_name = "[JOINT=]X", value_parser = values::limit)]
     velocity: Vec<Limit>,
     /// Keep accelerations continuous, too: rows have accelerations, and the motion is quintic
     #[arg(long)]
     continuous_acceleration: bool,
     /// Greatest distance from a corner of the path, of any joint, in radians or metres; 0 stops at each
     /// corner [default: no limit]
-    #[arg(long, value_name = "X", value_parser = not_negative)]
+    #[arg(long, value_name = "X", value_parser = values::not_negative)]
     deviation: Option<f64>,
     /// Output file with the trajectory, for `certify --trajectory` [default: stdout]
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
     /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     margin: Option<f64>,
-}
-
-/// A limit of all joints, or of one.
-type Limit = (Option<String>, f64);
-
-fn limit(text: &str) -> Result<Limit, String> {
-    match text.rsplit_once('=') {
-        Some((name, value)) => Ok((Some(name.into()), not_negative(value)?)),
-        None => Ok((None, not_negative(text)?)),
-    }
 }
 
 impl SmoothArguments {
