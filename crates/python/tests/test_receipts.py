@@ -20,7 +20,7 @@ URDF = """
 
 
 def load_verify():
-    spec = importlib.util.spec_from_file_location("verify", Path(__file__).parents[1] / "verify.py")
+    spec = importlib.util.spec_from_file_location("verify", Path(__file__).parents[2] / "verify" / "verify.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

@@ -116,7 +116,7 @@ def test_certified_segments(checker):
 
 
 def test_receipts_hold(checker, tmp_path):
-    verify = Path(__file__).parents[1] / "verify.py"
+    verify = Path(__file__).parents[2] / "verify" / "verify.py"
     file = tmp_path / "receipt.jsonl"
     file.write_bytes(checker.receipt([[0, 0], [0.5, 0.5], [1, 0]]).encode())
     found = subprocess.run([sys.executable, verify, file], capture_output=True, text=True)

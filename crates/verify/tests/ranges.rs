@@ -149,7 +149,7 @@ fn a_range_has_cells_alone() {
 
 #[test]
 fn both_checkers_agree_about_ranges() {
-    let scripts = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/verify.py");
+    let scripts = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("verify.py");
     if !scripts.exists() || std::process::Command::new("python3").arg("--version").output().is_err() {
         println!("skipped: no python3, or not a checkout");
         return;

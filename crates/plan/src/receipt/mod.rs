@@ -4,7 +4,7 @@
 //! writes them down: the bodies, how they move, the pairs that were not checked, and one piece of
 //! evidence for each pair and interval of time. A checker evaluates the evidence in exact
 //! arithmetic and never searches: the crate `lin-canny-verify`, or the Python script
-//! `crates/python/verify.py`.
+//! `crates/verify/verify.py`.
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Vector3};

@@ -16,7 +16,7 @@ for case in sys.argv[2:]:
 
 /// The exit code of the Python checker for each case: a receipt, and another scene or nothing.
 pub(crate) fn codes(cases: &[(String, Option<String>)]) -> Option<Vec<i32>> {
-    let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python");
+    let scripts = Path::new(env!("CARGO_MANIFEST_DIR"));
     if !scripts.join("verify.py").exists() || Command::new("python3").arg("--version").output().is_err() {
         println!("skipped: no python3, or not a checkout");
         return None;
@@ -41,7 +41,7 @@ pub(crate) fn codes(cases: &[(String, Option<String>)]) -> Option<Vec<i32>> {
     let names: Vec<_> = cases.iter().enumerate().map(name).collect();
     let output = Command::new("python3")
         .args(["-B", "-c", ALL])
-        .arg(&scripts)
+        .arg(scripts)
         .args(&names)
         .output()
         .unwrap();
@@ -78,7 +78,7 @@ pub(crate) fn code(receipt: &str, other: Option<&str>) -> i32 {
 
 /// What the Python checker prints about a receipt, or about a receipt on another scene.
 pub(crate) fn printed(texts: &[&str]) -> Option<String> {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/verify.py");
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("verify.py");
     let mut command = Command::new("python3");
     command.arg("-B").arg(&script);
     let file = |(k, text): (usize, &&str)| {
