@@ -29,6 +29,15 @@
 // The version of the interface. It grows by one with every change that breaks compiled callers.
 #define LC_ABI 0
 
+// The whole motion is proven free.
+#define LC_FREE 0
+
+// A pair is proven in contact, or closer than it must keep.
+#define LC_BLOCKED 1
+
+// A pair is within rounding error of contact or of what it must keep.
+#define LC_OPEN 2
+
 // RRT-Connect (Kuffner and LaValle 2000).
 #define LC_PLAN_RRT_CONNECT 0
 
@@ -200,15 +209,6 @@
 // The query is not enabled, or was not answered yet: nothing is known. It is not zero, as zero is a
 // proof that the answer is no.
 #define LC_NOT_ASKED 2
-
-// The whole motion is proven free.
-#define LC_FREE 0
-
-// A pair is proven in contact, or closer than it must keep.
-#define LC_BLOCKED 1
-
-// A pair is within rounding error of contact or of what it must keep.
-#define LC_OPEN 2
 
 // What a call returns.
 enum lc_status
