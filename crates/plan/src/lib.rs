@@ -58,6 +58,7 @@
 //!
 //! | change | function |
 //! |---|---|
+//! | robots of files, before the checker is made | [`Cell::add_robot`], [`exclude_adjacent`](Cell::exclude_adjacent), [`Checker::of_robots`] |
 //! | obstacles | [`Cell::add_obstacle`], [`move_obstacle`](Cell::move_obstacle), [`replace_obstacle`](Cell::replace_obstacle), [`remove_obstacle`](Cell::remove_obstacle) |
 //! | obstacles that move, and the time of configurations | [`Cell::add_moving_obstacle`], [`Checker::set_time`] |
 //! | objects that a link carries | [`Cell::attach`], [`detach`](Cell::detach), [`Checker::detach_at`] |
@@ -65,7 +66,7 @@
 //! | pairs that may touch | [`Cell::exclude`], [`include`](Cell::include), [`excluded`](Cell::excluded) |
 //!
 //! A change costs no more than the pairs of the changed body, and all other trackers stay warm. A
-//! name acts on all bodies that have it. Ids are never used again.
+//! name is that of one obstacle or attached object, or of all bodies of a link. Ids are never used again.
 //!
 //! # How a segment is checked
 //!

@@ -236,3 +236,8 @@ pub use recorder::RobotRecorder;
 pub use robot::Robot;
 pub use srdf::{ExcludedPair, Srdf};
 pub use trajectory::{Trajectory, csv_text};
+
+/// Runs the README as a test.
+#[doc = include_str!("../README.md")]
+#[cfg(doctest)]
+struct ReadmeDoctests;

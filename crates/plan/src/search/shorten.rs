@@ -26,7 +26,7 @@ pub struct Shortcuts<'a> {
 }
 
 impl<'a> Shortcuts<'a> {
-    /// Returns so many shortcuts that are tried, from a random seed.
+    /// Returns the call that tries this number of shortcuts, at random places by the seed.
     #[must_use]
     pub fn new(tries: usize, seed: u64) -> Self {
         let progress = None;
