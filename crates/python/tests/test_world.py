@@ -119,7 +119,7 @@ def test_random_changes_equal_a_new_checker(checker):
 
 
 def test_a_saved_world_equals_the_checker(robot, tmp_path):
-    """In random worlds, with bodies that share a name, paddings, margins and excluded pairs."""
+    """In random cells, with paddings, margins and excluded pairs."""
     rng = np.random.default_rng(8)
     mesh = lc.Geometry.mesh([[0, 0, 0], [0.3, 0, 0], [0, 0.3, 0], [0, 0, 0.3]], [[0, 1, 2], [0, 1, 3], [1, 2, 3], [0, 2, 3]])
     solids = [lc.Geometry.box(0.1, 0.2, 0.3), lc.Geometry.ball(0.1), lc.Geometry.cylinder(half_height=0.2, radius=0.1)]
@@ -131,7 +131,7 @@ def test_a_saved_world_equals_the_checker(robot, tmp_path):
         # The file has the last word on adjacent links, which are excluded or not.
         checker = lc.Checker(robot, pose=place, margin=rng.uniform(0, 0.02), exclude_adjacent=case % 2 == 0)
         for k, shape in enumerate(shapes):
-            checker.add_obstacle(f"thing {k // 2}", shape, (tuple(rng.uniform(-1, 2, 3)), place[1]))
+            checker.add_obstacle(f"thing {k}", shape, (tuple(rng.uniform(-1, 2, 3)), place[1]))
         checker.remove_obstacle(checker.ids[-2])
         checker.attach("flange", "part", solids[case % 3], (tuple(rng.uniform(0, 0.2, 3)), HERE), touch_links=["left"])
         checker.pad("part", rng.uniform(0, 0.05))
