@@ -257,8 +257,13 @@ impl CellFile {
         }
         // The names in the file of bodies that have other names in the cell.
         let mut renamed: BTreeMap<CellBody, &str> = BTreeMap::new();
+        let half_spaces: Vec<CellBody> = cell
+            .bodies()
+            .map(|(id, _)| id)
+            .filter(|id| cell.is_of_robot(*id))
+            .collect();
         for obstacle in &self.obstacles {
-            if has_half_space(cell, obstacle) {
+            if half_spaces.iter().any(|id| is_half_space(cell, *id, obstacle)) {
                 continue;
             }
             let (name, geometry) = (cell.free_name(&obstacle.name), obstacle.geometry.clone());
@@ -414,20 +419,15 @@ impl CellFile {
     }
 }
 
-/// Returns whether an obstacle is a half-space of a robot, which is already in the cell.
-fn has_half_space(cell: &Cell, obstacle: &Obstacle) -> bool {
-    let (Geometry::HalfSpace(space), None) = (&obstacle.geometry, &obstacle.poses) else {
+/// Returns whether an obstacle equals a half-space of a robot, so that it is in the cell already.
+fn is_half_space(cell: &Cell, id: CellBody, obstacle: &Obstacle) -> bool {
+    let (Some(Geometry::HalfSpace(own)), Geometry::HalfSpace(other)) = (cell.geometry(id), &obstacle.geometry) else {
         return false;
     };
-    let mut own = cell.bodies().filter(|(id, _)| cell.is_of_robot(*id));
-    own.any(|(id, name)| match cell.geometry(id) {
-        Some(Geometry::HalfSpace(other)) => {
-            *name == obstacle.name
-                && cell.obstacle_pose(id) == Some(&obstacle.pose)
-                && (other.normal(), other.offset()) == (space.normal(), space.offset())
-        }
-        _ => false,
-    })
+    obstacle.poses.is_none()
+        && cell.name(id) == obstacle.name
+        && cell.obstacle_pose(id) == Some(&obstacle.pose)
+        && (own.normal(), own.offset()) == (other.normal(), other.offset())
 }
 
 #[cfg(test)]

@@ -291,7 +291,7 @@ impl<'a> Reader<'a> {
             }
             _ => xml.needed_numbers::<1>(node, "value")?.to_vec(),
         };
-        let names = match joint.kind.parts() {
+        let names = match joint.kind.coordinate_names() {
             [] if joint.mimics.is_some() => Vec::new(),
             [] => vec![joint.name.clone()],
             parts => parts.iter().map(|part| format!("{}/{part}", joint.name)).collect(),

@@ -184,12 +184,12 @@ impl File<'_> {
                 offset: -joint.reference,
                 ..Drive::by(coordinates.len())
             });
-            if joint.kind.parts().is_empty() {
+            if joint.kind.coordinate_names().is_empty() {
                 let (name, limits) = (joint.name.clone(), self.range(joint));
                 let velocity = joint.velocity;
                 coordinates.push(Coordinate { name, limits, velocity });
             }
-            coordinates.extend(joint.kind.parts().iter().map(|part| Coordinate {
+            coordinates.extend(joint.kind.coordinate_names().iter().map(|part| Coordinate {
                 name: format!("{}/{part}", joint.name),
                 limits: if part.len() == 1 {
                     self.options.floating_limits
@@ -257,7 +257,7 @@ impl File<'_> {
                 return Err(self.wrong_joint(index, FileErrorKind::Range { field, value }));
             }
         }
-        let is_single = self.joints[at].kind.parts().is_empty();
+        let is_single = self.joints[at].kind.coordinate_names().is_empty();
         match drives[at].filter(|_| is_single) {
             Some(drive) => Ok(Drive {
                 coordinate: drive.coordinate,

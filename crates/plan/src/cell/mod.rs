@@ -247,13 +247,25 @@ impl Cell {
         }
     }
 
-    /// Returns the name, or else with the first number that makes it one that no body and no link has:
-    /// `post`, `post#2`, `post#3`.
+    /// Returns the name, or else with a number that makes it one that no body and no link has: `post`,
+    /// `post#2`, `post#3`.
     #[must_use]
     pub fn free_name(&self, name: &str) -> String {
-        let numbered = (2..).map(|k| std::format!("{name}#{k}"));
-        let mut names = core::iter::once(name.to_string()).chain(numbered);
-        names.find(|name| !self.names.contains(name)).unwrap_or_default()
+        if !self.names.contains(name) {
+            return name.to_string();
+        }
+        let numbered = |k: usize| std::format!("{name}#{k}");
+        let is_taken = |k: usize| self.names.contains(&numbered(k));
+        // `low` is taken. A search by halves, because many bodies may have one name.
+        let (mut low, mut high) = (1, 2);
+        while is_taken(high) {
+            (low, high) = (high, 2 * high);
+        }
+        while high - low > 1 {
+            let middle = low + (high - low) / 2;
+            if is_taken(middle) { low = middle } else { high = middle }
+        }
+        numbered(high)
     }
 
     /// Adds an obstacle that moves, and returns its id. The obstacle has these poses in the world at times on a clock.
@@ -767,7 +779,7 @@ impl Cell {
                 has(CellBody::Robot(k))?;
             }
         }
-        self.robots.check(self.obstacles.len())?;
+        self.robots.check(self.robot.len(), self.obstacles.len())?;
         let pairs = self.excluded.keys().chain(self.margins.keys());
         for pair in pairs {
             has(pair.a)?;

@@ -32,7 +32,7 @@ pub enum MotionKind {
 impl MotionKind {
     /// Returns the names of the coordinates of a joint with several coordinates.
     #[must_use]
-    pub fn parts(self) -> &'static [&'static str] {
+    pub fn coordinate_names(self) -> &'static [&'static str] {
         match self {
             Self::Planar => &["x", "y", "theta"],
             Self::Floating => &["x", "y", "z", "roll", "pitch", "yaw"],
@@ -150,8 +150,16 @@ impl RobotModel {
         if links != self.joints.len() + 1 {
             return wrong("number of links", links);
         }
-        if let Some((k, joint)) = self.joints.iter().enumerate().find(|(k, joint)| joint.parent > *k) {
-            return wrong("parent of a joint", joint.parent.max(k));
+        for (k, joint) in self.joints.iter().enumerate() {
+            if joint.parent > k {
+                return wrong("parent of a joint", joint.parent);
+            }
+            if let Some(Drive { coordinate, .. }) = joint.drive {
+                let last = coordinate.checked_add(joint.kind.coordinate_names().len().max(1) - 1);
+                if last.is_none_or(|last| last >= self.coordinates.len()) {
+                    return wrong("coordinate of a joint", coordinate);
+                }
+            }
         }
         if let Some(&link) = self.adjacent.iter().flatten().find(|link| **link >= links) {
             return wrong("index of an adjacent link", link);
@@ -204,7 +212,7 @@ impl Robots {
     }
 
     /// Returns an error if the parts of a stored tree do not fit together, or the cell.
-    pub(crate) fn check(&self, obstacles: usize) -> Result<(), PlanError> {
+    pub(crate) fn check(&self, bodies: usize, obstacles: usize) -> Result<(), PlanError> {
         let links = self.joints.len() + 1;
         let count = |what, is_right: bool, value: usize| match is_right {
             true => Ok(()),
@@ -213,6 +221,11 @@ impl Robots {
                 value: value as f64,
             }),
         };
+        count(
+            "number of bodies of a tree",
+            self.of_bodies.len() <= bodies,
+            self.of_bodies.len(),
+        )?;
         count("number of radii", self.radii.len() + 1 == links, self.radii.len())?;
         for (k, joint) in self.joints.iter().enumerate() {
             count("parent of a joint", joint.parent <= k, joint.parent)?;

@@ -74,7 +74,8 @@ impl Cell {
     ///
     /// # Errors
     /// Returns an error if the pose or the box of a half-space is invalid, if an index is out of range,
-    /// or if a link or a coordinate has the name of another body or coordinate. Then nothing changes.
+    /// if a link or a coordinate has the name of another body or coordinate, or if the cell has robot
+    /// bodies or frames of another space. Then nothing changes.
     pub fn add_robot(
         &mut self,
         prefix: &str,
@@ -83,6 +84,7 @@ impl Cell {
     ) -> Result<(), PlanError> {
         let model = robot.as_ref();
         model.check()?;
+        self.check_tree()?;
         RelativePose::from_isometry(&pose)?;
         let named = |name: &str| format!("{prefix}{name}");
         let mut names = BTreeSet::new();
@@ -191,6 +193,7 @@ impl Cell {
         let at_rest = of_bodies.filter(|(_, link)| self.robots.at_rest(**link).is_some());
         at_rest.flat_map(|(a, _)| {
             let spaces = self.robots.half_spaces.iter();
+            let spaces = spaces.filter(|b| self.contains(CellBody::Obstacle(**b)));
             spaces.filter_map(move |b| CellPair::new(CellBody::Robot(a), CellBody::Obstacle(*b)))
         })
     }
@@ -243,6 +246,16 @@ impl Cell {
         self.changes.robot = true;
     }
 
+    /// Returns an error if the cell has robot bodies or frames that the tree of the robots has not.
+    fn check_tree(&self) -> Result<(), PlanError> {
+        let counts = [
+            (self.robots.of_bodies.len(), self.robot.len()),
+            (self.robots.of_frames.len(), self.bare_frames()),
+        ];
+        let other = counts.into_iter().find(|(space, cell)| space != cell);
+        other.map_or(Ok(()), |(space, cell)| Err(PlanError::Bodies { space, cell }))
+    }
+
     /// Returns the configuration space of all robots that [`add_robot`](Self::add_robot) added.
     ///
     /// Its bodies are those of all links, then one without geometry for the frame of each link that is
@@ -253,15 +266,8 @@ impl Cell {
     /// Returns an error if a number of a robot is out of range, or if the cell has robot bodies or
     /// frames of another space.
     pub fn space(&self) -> Result<JointTree, PlanError> {
+        self.check_tree()?;
         let robots = &*self.robots;
-        let (space, cell) = (robots.of_bodies.len(), self.robot.len());
-        if space != cell {
-            return Err(PlanError::Bodies { space, cell });
-        }
-        let (space, cell) = (robots.of_frames.len(), self.bare_frames());
-        if space != cell {
-            return Err(PlanError::Bodies { space, cell });
-        }
         let radii = core::iter::once(&0.0).chain(&robots.radii).copied();
         JointTree::new(
             Isometry3::identity(),
