@@ -55,9 +55,11 @@ fn refused(cell: &mut Cell, prefix: &str, model: &RobotModel, pose: Isometry3<f6
     error
 }
 
+type Change = fn(&mut RobotModel);
+
 #[test]
 fn wrong_models_are_refused() {
-    let changes: [(&str, fn(&mut RobotModel)); 9] = [
+    let changes: [(&str, Change); 9] = [
         ("number of links", |m| m.links.clear()),
         ("number of links", |m| m.joints.clear()),
         ("parent of a joint", |m| m.joints[0].parent = 1),
