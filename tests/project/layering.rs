@@ -687,7 +687,7 @@ const PACKAGES: &[(&str, &[&str])] = &[
     (
         "crates/cli/src",
         &[
-            "end values text options receipt pair_boxes film drawing audit_page grid",
+            "values output robot_options end text options receipt pair_boxes film drawing audit_page grid",
             "audit cell certify clearance cover find_excluded plan points smooth verify",
         ],
     ),

@@ -6,16 +6,15 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use lin_canny::Progress;
+use lin_canny_cli::{RobotOptions, output::progress, values};
 use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{Checker, ClearanceWidth, RangeAnswer, RangeOptions};
 use lin_canny_robot::{AuditVerdict, LinkAudit, Srdf, audit};
 
 use crate::audit_page::AuditPage;
 use crate::end::{End, ToolError};
-use crate::options::RobotOptions;
 use crate::receipt;
-use crate::text::{configuration, distance, progress, write};
-use crate::values;
+use crate::text::{configuration, distance, write};
 
 #[derive(Args)]
 pub(crate) struct AuditOptions {

@@ -3,13 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use lin_canny_cli::{RobotOptions, output, values};
 use lin_canny_robot::CellFile;
 use lin_canny_robot::plan::Checker;
 
 use crate::end::{End, ToolError};
-use crate::options::RobotOptions;
-use crate::text;
-use crate::values;
 
 #[derive(Args)]
 pub(crate) struct CellOptions {
@@ -32,7 +30,7 @@ pub(crate) fn run(options: &CellOptions) -> Result<End, ToolError> {
     let file = CellFile::from_cell(checker.cell());
     match &options.out {
         Some(path) => file.save(path)?,
-        None => text::put(format_args!("{}", file.to_json()?)),
+        None => output::put(format_args!("{}", file.to_json()?)),
     }
     warn!(
         "obstacles: {}, attached objects: {}, paddings: {}, excluded pairs of bodies: {}",

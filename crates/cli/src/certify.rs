@@ -4,15 +4,16 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use lin_canny_cli::{RobotOptions, output::progress, values};
 use lin_canny_robot::plan::receipt::Receipt;
 use lin_canny_robot::plan::{self, Certified, Checker, JointMotion, PlanError, Verdict, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use crate::end::{End, ToolError};
-use crate::options::{ReadRows, RestOptions, RobotOptions, check_at_rest};
+use crate::options::{ReadRows, RestOptions, check_at_rest};
 use crate::pair_boxes::PairBoxArguments;
-use crate::text::{Table, configuration, fraction_below, names, place, progress, time_at, write};
-use crate::{film, receipt, values};
+use crate::text::{Table, configuration, fraction_below, names, place, time_at, write};
+use crate::{film, receipt};
 
 #[derive(Args)]
 pub(crate) struct CertifyOptions {

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use lin_canny_cli::{RobotOptions, output::progress};
 use lin_canny_robot::Trajectory;
 use lin_canny_robot::plan::{
     Cell, CellBody, CellPair, Checker, JointCurve, JointMotion, JointTree, NearPair, PlanError, SegmentClearance,
@@ -12,8 +13,8 @@ use lin_canny_robot::plan::{
 
 use crate::end::{End, ToolError};
 use crate::film::FilmOptions;
-use crate::options::{RobotOptions, RowOptions, check_at_rest};
-use crate::text::{Table, distance, names, place, progress, time_at, write};
+use crate::options::{RowOptions, check_at_rest};
+use crate::text::{Table, distance, names, place, time_at, write};
 
 /// The pairs that are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

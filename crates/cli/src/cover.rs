@@ -5,15 +5,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lin_canny::cover::CoverGoal;
+use lin_canny_cli::{RobotOptions, values};
 use lin_canny_robot::{
     LinkCoverError, LinkHulls, Robot, cover_links, hull_links, json_of_balls, json_of_hulls, urdf_of_balls,
     urdf_of_hulls,
 };
 
 use crate::end::{End, ToolError};
-use crate::options::RobotOptions;
 use crate::text::{self, write};
-use crate::values;
 
 #[derive(Args)]
 pub(crate) struct CoverOptions {
@@ -39,8 +38,8 @@ pub(crate) struct CoverOptions {
 
 pub(crate) fn run(options: &CoverOptions) -> Result<End, ToolError> {
     let (robot, _) = options.robot.load()?;
-    let file = options.robot.file();
-    if options.robot.skips_meshes() && !robot.skipped().is_empty() {
+    let file = &options.robot.robot;
+    if options.robot.skip_missing_meshes && !robot.skipped().is_empty() {
         return Err(ToolError::Input {
             file: file.to_owned(),
             reason: "a mesh is missing, and the cover would not contain it".into(),

@@ -4,11 +4,11 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
+use lin_canny_cli::{RobotOptions, output::progress};
 use lin_canny_robot::{Srdf, find_excludable};
 
 use crate::end::{End, ToolError};
-use crate::options::RobotOptions;
-use crate::text::{progress, write};
+use crate::text::write;
 
 #[derive(Args)]
 pub(crate) struct FindExcludedOptions {

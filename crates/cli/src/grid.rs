@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{DistanceGrid, Mesh, PointError, PointQuery, Progress, WithProgress};
+use lin_canny_cli::output::progress;
 use lin_canny_formats::{Volume, VolumeFormat};
 
 use crate::end::ToolError;
-use crate::text::progress;
 
 #[derive(Args)]
 pub(crate) struct GridOptions {

@@ -2,22 +2,11 @@
 //!
 //! One module for each command: it reads, asks, reports.
 #![forbid(unsafe_code)]
-// They panic if the reader of a pipe has gone: see `text::put`.
+// They panic if the reader of a pipe has gone: see `lin_canny_cli::output::put`.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-/// Writes a line to stdout.
-macro_rules! say {
-    ($($part:tt)*) => {
-        $crate::text::put(format_args!("{}\n", format_args!($($part)*)))
-    };
-}
-
-/// Writes a line to stderr.
-macro_rules! warn {
-    ($($part:tt)*) => {
-        $crate::text::complain(format_args!($($part)*))
-    };
-}
+#[macro_use(say, warn)]
+extern crate lin_canny_cli;
 
 mod audit;
 mod audit_page;
@@ -37,7 +26,6 @@ mod points;
 mod receipt;
 mod smooth;
 mod text;
-mod values;
 mod verify;
 
 use std::path::Path;

@@ -1,11 +1,11 @@
 //! The option `--pair-boxes`: boxes of joint values in which links are apart.
 
 use clap::Args;
+use lin_canny_cli::output::progress;
 use lin_canny_robot::plan::{Checker, JointTree, PairBoxes};
 use std::ops::ControlFlow;
 
 use crate::end::ToolError;
-use crate::text::progress;
 
 #[derive(Args)]
 pub(crate) struct PairBoxArguments {

@@ -5,15 +5,19 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 use lin_canny::Progress;
+use lin_canny_cli::{
+    RobotOptions,
+    output::{self, progress},
+    values,
+};
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanError, PlanMethod, PlanOptions, Shortcuts};
 use lin_canny_robot::{Trajectory, csv_text};
 
 use crate::end::{End, ToolError};
 use crate::film::{FRAMES, FilmOptions};
-use crate::options::{RobotOptions, RowOptions, check_at_rest};
+use crate::options::{RowOptions, check_at_rest};
 use crate::pair_boxes::PairBoxArguments;
-use crate::text::{self, distance, names, progress, write};
-use crate::values;
+use crate::text::{distance, names, write};
 
 /// The method of the search.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -98,7 +102,7 @@ pub(crate) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     let text = csv_text(cell.coordinates(), &short);
     match &options.csv {
         Some(file) => write(file, &text)?,
-        None => text::put(format_args!("{text}")),
+        None => output::put(format_args!("{text}")),
     }
     record(&options.film, &mut checker, &short)?;
     warn!(

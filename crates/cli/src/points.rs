@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use lin_canny::nalgebra::Point3;
 use lin_canny::{Mesh, MeshKind, PointOutcome, PointQuery};
+use lin_canny_cli::output::progress;
 use lin_canny_formats::{Invalid, MeshFile, PointFile};
 
 use crate::end::{End, ToolError};
 use crate::grid::GridOptions;
-use crate::text::{progress, write};
+use crate::text::write;
 
 /// Number of points between two updates of the progress bar.
 const BLOCK: usize = 1 << 16;

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use lin_canny_cli::RobotOptions;
 use lin_canny_robot::plan::Cell;
 use lin_canny_robot::plan::receipt::{Receipt, ReceiptError};
 
 use crate::end::ToolError;
-use crate::options::RobotOptions;
 use crate::text::write as write_text;
 
 /// Returns the error of a receipt that cannot be written or read.

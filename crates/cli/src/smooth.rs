@@ -4,13 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lin_canny::Progress;
+use lin_canny_cli::{
+    RobotOptions,
+    output::{self, progress},
+    values::{self, Limit},
+};
 use lin_canny_robot::plan::{Checker, PlanError, SmoothOptions, Smoother, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use crate::end::{End, ToolError};
-use crate::options::{RobotOptions, RowOptions};
-use crate::text::{self, progress, write};
-use crate::values::{self, Limit};
+use crate::options::RowOptions;
+use crate::text::write;
 
 #[derive(Args)]
 pub(crate) struct SmoothArguments {
@@ -123,7 +127,7 @@ pub(crate) fn run(options: &SmoothArguments) -> Result<End, ToolError> {
     let text = trajectory.csv_text(coordinates);
     match &options.csv {
         Some(file) => write(file, &text)?,
-        None => text::put(format_args!("{text}")),
+        None => output::put(format_args!("{text}")),
     }
     let rows = trajectory.rows.len();
     warn!("a trajectory of {rows} rows, {seconds:.3} s, with stops at {stops} of {corners} inner rows of the path");

@@ -1,32 +1,11 @@
 //! What the commands print and write.
 
-use std::fmt::Arguments;
-use std::io::{ErrorKind, Write};
 use std::path::Path;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lin_canny_robot::plan::{CellPair, Checker, ConfigurationSpace};
 use lin_canny_robot::{Coordinate, Trajectory};
 
 use crate::end::ToolError;
-
-/// Writes a text to stdout. If its reader has gone, as in `... | head`, the text is dropped: the
-/// command still writes its files, and its exit code is that of the result.
-pub(crate) fn put(text: Arguments<'_>) {
-    let mut out = std::io::stdout().lock();
-    match out.write_fmt(text).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            complain(format_args!("lin-canny: stdout cannot be written: {error}"));
-            std::process::exit(3);
-        }
-        _ => {}
-    }
-}
-
-/// Writes a line to stderr. If that is not possible, nobody can be told.
-pub(crate) fn complain(text: Arguments<'_>) {
-    let _ = writeln!(std::io::stderr(), "{text}");
-}
 
 /// Writes a file.
 pub(crate) fn write(file: &Path, text: &str) -> Result<(), ToolError> {
@@ -34,15 +13,6 @@ pub(crate) fn write(file: &Path, text: &str) -> Result<(), ToolError> {
         file: file.to_owned(),
         reason,
     })
-}
-
-/// Returns a progress bar on stderr, visible on a terminal only.
-pub(crate) fn progress(what: &'static str, length: u64) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
-    match ProgressStyle::with_template("{prefix} {wide_bar} {pos}/{len} {eta}") {
-        Ok(style) => bar.with_style(style).with_prefix(what),
-        Err(_) => bar,
-    }
 }
 
 pub(crate) fn names<C: ConfigurationSpace>(checker: &Checker<C>, pair: CellPair) -> [String; 2] {

@@ -6,39 +6,39 @@ use std::time::Duration;
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 /// Returns a length, an angle or another finite number, at least 0.
-pub(crate) fn not_negative(text: &str) -> Result<f64, String> {
+pub fn not_negative(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().map_err(|e| e.to_string())?;
     let value = Some(value).filter(|x| (0.0..f64::INFINITY).contains(x));
     value.ok_or("expected a finite number, at least 0".into())
 }
 
 /// Returns the time of a number of seconds.
-pub(crate) fn duration(text: &str) -> Result<Duration, String> {
+pub fn duration(text: &str) -> Result<Duration, String> {
     let seconds = text.parse::<f64>().map_err(|e| e.to_string())?;
     Duration::try_from_secs_f64(seconds).map_err(|e| e.to_string())
 }
 
 /// Returns a share of a quantity, below 1.
-pub(crate) fn share(text: &str) -> Result<f64, String> {
+pub fn share(text: &str) -> Result<f64, String> {
     let value = text.parse::<f64>().map_err(|e| e.to_string())?;
     let value = Some(value).filter(|x| (0.0..1.0).contains(x));
     value.ok_or("expected a number from 0 to below 1".into())
 }
 
 /// Returns a name and a number, such as `post=0.01`.
-pub(crate) fn named_number(text: &str) -> Result<(String, f64), String> {
+pub fn named_number(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.rsplit_once('=').ok_or("expected a name, = and a number")?;
     Ok((name.into(), not_negative(value)?))
 }
 
 /// Returns a link and a file.
-pub(crate) fn attachment(text: &str) -> Result<(String, PathBuf), String> {
+pub fn attachment(text: &str) -> Result<(String, PathBuf), String> {
     let (link, file) = text.split_once('=').ok_or("expected LINK=FILE.json")?;
     Ok((link.into(), file.into()))
 }
 
 /// Returns a prefix of names and a file.
-pub(crate) fn prefixed_file(text: &str) -> Result<(String, PathBuf), String> {
+pub fn prefixed_file(text: &str) -> Result<(String, PathBuf), String> {
     let (prefix, file) = text.split_once('=').ok_or("expected PREFIX=FILE")?;
     match prefix {
         "" => Err("the prefix is empty".into()),
@@ -47,7 +47,7 @@ pub(crate) fn prefixed_file(text: &str) -> Result<(String, PathBuf), String> {
 }
 
 /// Returns a prefix of names and a pose.
-pub(crate) fn prefixed_pose(text: &str) -> Result<(String, Isometry3<f64>), String> {
+pub fn prefixed_pose(text: &str) -> Result<(String, Isometry3<f64>), String> {
     let (prefix, pose) = text.split_once('=').ok_or("expected PREFIX=X,Y,Z[,ROLL,PITCH,YAW]")?;
     let numbers = pose
         .split(',')
@@ -69,7 +69,7 @@ pub(crate) fn prefixed_pose(text: &str) -> Result<(String, Isometry3<f64>), Stri
 }
 
 /// Returns two names.
-pub(crate) fn name_pair(text: &str) -> Result<[String; 2], String> {
+pub fn name_pair(text: &str) -> Result<[String; 2], String> {
     let (a, b) = text
         .split_once(',')
         .ok_or("expected two names with a comma between them")?;
@@ -77,10 +77,10 @@ pub(crate) fn name_pair(text: &str) -> Result<[String; 2], String> {
 }
 
 /// A limit of all joints, or of one.
-pub(crate) type Limit = (Option<String>, f64);
+pub type Limit = (Option<String>, f64);
 
 /// Returns a limit of all joints, or of one.
-pub(crate) fn limit(text: &str) -> Result<Limit, String> {
+pub fn limit(text: &str) -> Result<Limit, String> {
     match text.rsplit_once('=') {
         Some((name, value)) => Ok((Some(name.into()), not_negative(value)?)),
         None => Ok((None, not_negative(text)?)),
@@ -88,7 +88,7 @@ pub(crate) fn limit(text: &str) -> Result<Limit, String> {
 }
 
 /// Returns a file that a cover is written to.
-pub(crate) fn cover_file(name: &str) -> Result<PathBuf, String> {
+pub fn cover_file(name: &str) -> Result<PathBuf, String> {
     let file = PathBuf::from(name);
     match file.extension().and_then(|e| e.to_str()) {
         Some("urdf" | "json") => Ok(file),

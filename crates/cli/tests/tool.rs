@@ -1459,7 +1459,7 @@ fn two_robots_have_one_clock() {
     let some = rows(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
     let (code, text) = certify("some.csv", "c_=1,0,0", &some);
     assert!(
-        code == 3 && text.contains("--robot-pose: no robot has the prefix \"c_\""),
+        code == 3 && text.contains("robot with the prefix \"c_\" does not exist; did you mean"),
         "{text}"
     );
     for pose in ["b_", "b_=1,0", "b_=1,0,0,0", "b_=1,0,x", "b_=1,0,inf"] {

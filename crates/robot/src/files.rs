@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
-use lin_canny_plan::{Cell, PlanError};
+use lin_canny_plan::{Cell, PlanError, nearest_name};
 
 use crate::cell::CellFile;
 use crate::cell_body::AttachedBody;
@@ -105,6 +105,24 @@ impl RobotFiles {
             robot: robot.into(),
             packages: Packages::default().with_environment(),
             ..Self::default()
+        }
+    }
+
+    /// Returns the further robot with a prefix.
+    ///
+    /// # Errors
+    /// Returns an error if no further robot has this prefix.
+    pub fn other_mut(&mut self, prefix: &str) -> Result<&mut OtherRobot, FileError> {
+        match self.others.iter().position(|other| other.prefix == prefix) {
+            Some(k) => Ok(&mut self.others[k]),
+            None => {
+                let reason = FileErrorKind::Unknown {
+                    kind: "robot with the prefix",
+                    name: prefix.into(),
+                    near: nearest_name(prefix, self.others.iter().map(|other| &other.prefix[..])),
+                };
+                Err(FileError::new(&self.robot, None, "", reason))
+            }
         }
     }
 

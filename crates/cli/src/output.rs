@@ -1,0 +1,49 @@
+//! What a tool prints.
+
+use std::fmt::Arguments;
+use std::io::{ErrorKind, Write};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Writes a line to stdout: see [`put`].
+#[macro_export]
+macro_rules! say {
+    ($($part:tt)*) => {
+        $crate::output::put(format_args!("{}\n", format_args!($($part)*)))
+    };
+}
+
+/// Writes a line to stderr.
+#[macro_export]
+macro_rules! warn {
+    ($($part:tt)*) => {
+        $crate::output::complain(format_args!($($part)*))
+    };
+}
+
+/// Writes a text to stdout. If its reader has gone, as in `... | head`, the text is dropped: the
+/// command still writes its files, and its exit code is that of the result.
+pub fn put(text: Arguments<'_>) {
+    let mut out = std::io::stdout().lock();
+    match out.write_fmt(text).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            complain(format_args!("lin-canny: stdout cannot be written: {error}"));
+            std::process::exit(3);
+        }
+        _ => {}
+    }
+}
+
+/// Writes a line to stderr. If that is not possible, nobody can be told.
+pub fn complain(text: Arguments<'_>) {
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// Returns a progress bar on stderr, visible on a terminal only.
+pub fn progress(what: &'static str, length: u64) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
+    match ProgressStyle::with_template("{prefix} {wide_bar} {pos}/{len} {eta}") {
+        Ok(style) => bar.with_style(style).with_prefix(what),
+        Err(_) => bar,
+    }
+}
