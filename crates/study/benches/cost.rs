@@ -11,7 +11,7 @@ use datafusion::arrow::array::AsArray;
 use datafusion::arrow::datatypes::Float64Type;
 use lin_canny_study::robot::RobotFiles;
 use lin_canny_study::robot::plan::Checker;
-use lin_canny_study::sampled::Source;
+use lin_canny_study::sampled::Sampler;
 use lin_canny_study::{Format, Input, Run, RunOptions, RunProgress, Study, StudyOptions};
 
 type Trouble = Box<dyn std::error::Error>;
@@ -39,10 +39,8 @@ fn main() -> Result<(), Trouble> {
     let mut files = RobotFiles::new(example("six_axis.urdf"));
     files.cell = Some(example("six_axis_cell.json"));
     files.srdf = Some(example("six_axis.srdf"));
-    let study = Study::load(&files, StudyOptions::default())?;
-    let rows = Source::Random { seed: 1 }
-        .begin(study.coordinates())
-        .rows(0..options.rows)?;
+    let study = Study::new(files.load()?.cell, StudyOptions::default())?;
+    let rows = Sampler::random(study.coordinates(), 1).rows(0..options.rows)?;
     let columns: Vec<_> = (1..=6)
         .map(|k| rows.column(k).as_primitive::<Float64Type>().clone())
         .collect();

@@ -3,12 +3,11 @@
 use std::sync::Arc;
 
 use datafusion::arrow::array::{ArrayRef, Int64Array, RecordBatch, StringArray};
-use datafusion::arrow::datatypes::{DataType, Field, Schema};
 use lin_canny_robot::{AuditCell, audit_cells};
 
 use crate::error::StudyError;
 use crate::input::ID;
-use crate::rows::{list_column, list_type};
+use crate::rows::list_column;
 use crate::study::Study;
 
 /// Rows per row group of a file of cells: each may take seconds.
@@ -30,13 +29,15 @@ pub const VERDICTS: &str = "SELECT a, b, CASE \
 /// Returns an error if the world cannot be audited.
 pub fn cells(study: &Study, count: usize) -> Result<RecordBatch, StudyError> {
     let cells: Vec<AuditCell> = study.with_checker(|checker| audit_cells(checker, count))??;
-    let word = |name: &str| Field::new(name, DataType::Utf8, false);
-    let list = |name: &str| Field::new(name, list_type(), false);
-    let id = Field::new(ID, DataType::Int64, false);
-    let fields = vec![id, word("a"), word("b"), list("low"), list("high")];
     let names = |k: usize| Arc::new(StringArray::from_iter_values(cells.iter().map(|cell| &cell.names[k]))) as ArrayRef;
-    let ends = |k: usize| list_column(cells.iter().map(|cell| cell.range[k].as_slice()));
-    let ids = Arc::new(Int64Array::from_iter_values(0..cells.len() as i64));
-    let columns = vec![ids, names(0), names(1), ends(0), ends(1)];
-    Ok(RecordBatch::try_new(Arc::new(Schema::new(fields)), columns)?)
+    let ends = |k: usize| Arc::new(list_column(cells.iter().map(|cell| cell.range[k].as_slice()))) as ArrayRef;
+    let ids: ArrayRef = Arc::new(Int64Array::from_iter_values(0..cells.len() as i64));
+    let columns = [
+        (ID, ids),
+        ("a", names(0)),
+        ("b", names(1)),
+        ("low", ends(0)),
+        ("high", ends(1)),
+    ];
+    Ok(RecordBatch::try_from_iter(columns)?)
 }

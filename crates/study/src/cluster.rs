@@ -18,26 +18,40 @@ use crate::study::Study;
 /// Seconds between heartbeats of an executor.
 const HEARTBEAT: u64 = 5;
 
-/// Divides queries among executors until the process is stopped.
-///
-/// An executor without a message for `executor_timeout` seconds counts as lost, and others repeat its
-/// rows.
-///
-/// # Errors
-/// Returns an error if the address is invalid or cannot be used.
-pub async fn schedule(study: &Arc<Study>, bind: &str, port: u16, executor_timeout: u64) -> Result<(), StudyError> {
-    let study = Arc::clone(study);
-    let mut config = SchedulerConfig::default()
-        .with_port(port)
-        .with_override_session_builder(Arc::new(move |config| study.session_state(config)));
-    config.bind_host = bind.into();
-    config.executor_timeout_seconds = executor_timeout.max(HEARTBEAT + 1);
-    config.expire_dead_executor_interval_seconds = HEARTBEAT.min(config.executor_timeout_seconds);
-    let failed = |e: ballista_core::error::BallistaError| StudyError::Cluster(e.to_string());
-    let address = format!("{bind}:{port}");
-    let listen = address.parse().map_err(|e| StudyError::unfit(&address, e))?;
-    let cluster = BallistaCluster::new_from_config(&config).await.map_err(failed)?;
-    start_server(cluster, listen, Arc::new(config)).await.map_err(failed)
+/// A process that divides queries among executors; the options of the command `scheduler`.
+#[derive(Args, Clone, Debug)]
+pub struct Scheduler {
+    /// Address to listen on; 0.0.0.0 admits other machines (no authentication: trusted networks
+    /// only)
+    #[arg(long, value_name = "HOST", default_value = "127.0.0.1")]
+    pub bind: String,
+    /// Port to listen on
+    #[arg(long, default_value_t = 50_050)]
+    pub port: u16,
+    /// Seconds without a message after which an executor counts as lost and others repeat its rows
+    #[arg(long, alias = "lost-after", value_name = "SECONDS", default_value_t = 30)]
+    pub executor_timeout: u64,
+}
+
+impl Scheduler {
+    /// Divides queries among executors until the process is stopped.
+    ///
+    /// # Errors
+    /// Returns an error if the address is invalid or cannot be used.
+    pub async fn run(&self, study: &Arc<Study>) -> Result<(), StudyError> {
+        let study = Arc::clone(study);
+        let mut config = SchedulerConfig::default()
+            .with_port(self.port)
+            .with_override_session_builder(Arc::new(move |config| study.session_state(config)));
+        config.bind_host.clone_from(&self.bind);
+        config.executor_timeout_seconds = self.executor_timeout.max(HEARTBEAT + 1);
+        config.expire_dead_executor_interval_seconds = HEARTBEAT.min(config.executor_timeout_seconds);
+        let failed = |e: ballista_core::error::BallistaError| StudyError::Cluster(e.to_string());
+        let address = format!("{}:{}", self.bind, self.port);
+        let listen = address.parse().map_err(|e| StudyError::unfit(&address, e))?;
+        let cluster = BallistaCluster::new_from_config(&config).await.map_err(failed)?;
+        start_server(cluster, listen, Arc::new(config)).await.map_err(failed)
+    }
 }
 
 /// A process that computes rows for a scheduler; the options of the command `executor`.

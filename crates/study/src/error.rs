@@ -67,66 +67,20 @@ impl StudyError {
 }
 
 /// Reason why a row has no result.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RowError {
-    /// A value is missing.
-    #[error("{name} is NULL")]
-    Null {
-        /// The argument.
-        name: String,
-    },
-    /// A list has the wrong number of values.
-    #[error("{name} has {found} values (expected {needed})")]
-    Length {
-        /// The argument.
-        name: String,
-        /// Number of values of the list.
-        found: usize,
-        /// Number of values that it must have.
-        needed: usize,
-    },
-    /// A value is outside the limits of its joint.
-    #[error("{name} is {value:?} (expected {lower:?}..={upper:?})")]
-    Limits {
-        /// The joint.
-        name: String,
-        /// The value.
-        value: f64,
-        /// The lower limit.
-        lower: f64,
-        /// The upper limit.
-        upper: f64,
-    },
-    /// No body has this name, or more than one body has it.
-    #[error("{count} bodies have the name {name:?} (expected 1)")]
-    Name {
-        /// The name.
-        name: String,
-        /// Number of bodies with this name.
-        count: usize,
-    },
-    /// The checker rejected the row.
-    #[error("{0}")]
-    Refused(String),
-}
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(crate) struct RowError(String);
 
 impl RowError {
     pub(crate) fn null(name: &str) -> Self {
-        Self::Null { name: name.into() }
+        Self(format!("{name} is NULL"))
     }
 
-    pub(crate) fn limits(name: impl Into<String>, value: f64, [lower, upper]: [f64; 2]) -> Self {
-        let name = name.into();
-        Self::Limits {
-            name,
-            value,
-            lower,
-            upper,
-        }
+    pub(crate) fn limits(name: &str, value: f64, [lower, upper]: [f64; 2]) -> Self {
+        Self(format!("{name} is {value:?} (expected {lower:?}..={upper:?})"))
     }
 
     pub(crate) fn refused(error: impl ToString) -> Self {
-        Self::Refused(error.to_string())
+        Self(error.to_string())
     }
 }

@@ -84,13 +84,7 @@ impl Format {
         std::fs::rename(&unfinished, path).map_err(StudyError::io(path))
     }
 
-    fn write_to(
-        self,
-        file: File,
-        schema: &SchemaRef,
-        batches: &[RecordBatch],
-        rows_per_group: usize,
-    ) -> Result<(), StudyError> {
+    fn write_to(self, file: File, schema: &SchemaRef, batches: &[RecordBatch], group: usize) -> Result<(), StudyError> {
         let file = match self {
             Self::Parquet => {
                 let level = ZstdLevel::try_new(1).unwrap_or_default();
@@ -101,9 +95,7 @@ impl Format {
                     properties = properties.set_column_dictionary_enabled(column, false);
                 }
                 // Readers divide a file by its row groups.
-                let properties = properties
-                    .set_max_row_group_row_count(Some(rows_per_group.max(1)))
-                    .build();
+                let properties = properties.set_max_row_group_row_count(Some(group.max(1))).build();
                 let mut writer = ArrowWriter::try_new(file, Arc::clone(schema), Some(properties)).map_err(parquet)?;
                 for batch in batches {
                     writer.write(batch).map_err(parquet)?;

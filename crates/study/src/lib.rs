@@ -12,7 +12,7 @@
 //! let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../robot/examples");
 //! let mut files = RobotFiles::new(format!("{folder}/six_axis.urdf"));
 //! files.cell = Some(format!("{folder}/six_axis_cell.json").into());
-//! let study = Study::load(&files, StudyOptions::default())?;
+//! let study = Study::new(files.load()?.cell, StudyOptions::default())?;
 //!
 //! # runtime.block_on(async {
 //! let context = SessionContext::new();
@@ -54,7 +54,7 @@ mod run;
 pub mod sampled;
 mod study;
 
-pub use error::{RowError, StudyError};
+pub use error::StudyError;
 pub use format::{Format, flat};
 pub use input::{ID, Input, TABLE, configuration_of, quoted};
 pub use lin_canny_robot as robot;

@@ -60,32 +60,23 @@ impl Manifest {
         }
         let text = std::fs::read_to_string(&path).map_err(StudyError::io(&path))?;
         let other: Self = serde_json::from_str(&text).map_err(|e| StudyError::unfit(path.display(), e))?;
-        match self.difference(&other) {
-            None => Ok(()),
-            Some(what) => Err(StudyError::unfit(
-                folder.display(),
-                format!("the folder holds the parts of a run with {what}"),
-            )),
+        if *self == other {
+            return Ok(());
         }
+        let what = self.difference(&other);
+        let reason = format!("the folder holds the parts of a run with {what}");
+        Err(StudyError::unfit(folder.display(), reason))
     }
 
-    fn difference(&self, other: &Self) -> Option<&'static str> {
-        let Self {
-            study,
-            version,
-            query,
-            input,
-            block,
-            format,
-        } = self;
+    fn difference(&self, other: &Self) -> &'static str {
         let differences = [
-            (*study != other.study, "another robot, cell or option"),
-            (*version != other.version, "another version"),
-            (*query != other.query, "another query"),
-            (*input != other.input, "another input"),
-            (*block != other.block, "parts of another size"),
-            (*format != other.format, "another format"),
+            (self.study != other.study, "another robot, cell or option"),
+            (self.version != other.version, "another version"),
+            (self.query != other.query, "another query"),
+            (self.input != other.input, "another input"),
+            (self.block != other.block, "parts of another size"),
         ];
-        differences.into_iter().find(|(is, _)| *is).map(|(_, what)| what)
+        let first = differences.into_iter().find(|(is, _)| *is);
+        first.map_or("another format", |(_, what)| what)
     }
 }

@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use datafusion::arrow::array::{ArrayRef, AsArray, Float64Array, Int64Array, RecordBatch};
-use datafusion::arrow::datatypes::{DataType, Field, Float64Type, Int64Type, Schema};
+use datafusion::arrow::datatypes::{Float64Type, Int64Type};
 use lin_canny_robot::Coordinate;
+use petgraph::unionfind::UnionFind;
 
 use crate::error::StudyError;
 use crate::input::ID;
-use crate::rows::{list_column, list_type};
+use crate::rows::list_column;
 
 /// Returns the segments from each node to its nearest nodes, each segment once.
 ///
@@ -48,22 +49,17 @@ pub fn candidates(
     let ends = |pick: fn(&(usize, usize)) -> usize| pairs.iter().map(pick);
     let id = |pick| Arc::new(Int64Array::from_iter_values(ends(pick).map(|k| ids.value(k)))) as ArrayRef;
     let lengths = Float64Array::from_iter_values(pairs.iter().map(|&(i, j)| length(i, j)));
-    let list = |pick: fn(&(usize, usize)) -> usize| list_column(ends(pick).map(|k| points[k].as_slice()));
-    let fields = [
-        Field::new("a", DataType::Int64, false),
-        Field::new("b", DataType::Int64, false),
-        Field::new("length", DataType::Float64, false),
-        Field::new("from", list_type(), true),
-        Field::new("to", list_type(), true),
+    let list = |pick: fn(&(usize, usize)) -> usize| {
+        Arc::new(list_column(ends(pick).map(|k| points[k].as_slice()))) as ArrayRef
+    };
+    let columns: [(_, ArrayRef); 5] = [
+        ("a", id(|p| p.0)),
+        ("b", id(|p| p.1)),
+        ("length", Arc::new(lengths)),
+        ("from", list(|p| p.0)),
+        ("to", list(|p| p.1)),
     ];
-    let columns = vec![
-        id(|p| p.0),
-        id(|p| p.1),
-        Arc::new(lengths),
-        list(|p| p.0),
-        list(|p| p.1),
-    ];
-    Ok(RecordBatch::try_new(Arc::new(Schema::new(fields.to_vec())), columns)?)
+    Ok(RecordBatch::try_from_iter(columns)?)
 }
 
 /// Counts of connected components.
@@ -84,29 +80,17 @@ pub fn components(nodes: &RecordBatch, edges: &RecordBatch) -> Result<Components
     let ids = ids(nodes, ID)?;
     let numbers: std::collections::HashMap<i64, usize> = ids.values().iter().copied().zip(0..).collect();
     let number = |id: &i64| numbers.get(id).copied().ok_or_else(|| missing(&id.to_string()));
-    let mut parents: Vec<usize> = (0..numbers.len()).collect();
+    let mut components = UnionFind::new(numbers.len());
     let (from, to) = (self::ids(edges, "node_a")?, self::ids(edges, "node_b")?);
     for (a, b) in from.values().iter().zip(to.values()) {
-        let (a, b) = (root(&mut parents, number(a)?), root(&mut parents, number(b)?));
-        parents[a] = b;
+        components.union(number(a)?, number(b)?);
     }
-    let mut sizes = vec![0; parents.len()];
-    for k in 0..parents.len() {
-        sizes[root(&mut parents, k)] += 1;
-    }
+    let mut sizes = vec![0; numbers.len()];
+    components.into_labeling().into_iter().for_each(|k| sizes[k] += 1);
     Ok(Components {
         count: sizes.iter().filter(|&&s| s > 0).count(),
         largest: sizes.into_iter().max().unwrap_or(0),
     })
-}
-
-/// Returns the node that represents a component, and halves the path to it.
-fn root(parents: &mut [usize], mut node: usize) -> usize {
-    while parents[node] != node {
-        parents[node] = parents[parents[node]];
-        node = parents[node];
-    }
-    node
 }
 
 fn range(coordinate: &Coordinate) -> f64 {

@@ -47,22 +47,37 @@ impl Vectors {
                     into.push(column.value(row));
                 }
             }
-            Self::Lists(lists) if lists.is_null(row) => return Err(RowError::null(name(None))),
-            Self::Lists(lists) => {
-                let values = lists.value(row);
-                let values = values.as_primitive::<Float64Type>();
-                if values.len() != needed {
-                    let (name, found) = (name(None).into(), values.len());
-                    return Err(RowError::Length { name, found, needed });
-                }
-                if let Some(k) = (0..needed).find(|&k| values.is_null(k)) {
-                    return Err(RowError::null(name(Some(k))));
-                }
-                into.extend_from_slice(values.values());
-            }
+            Self::Lists(lists) => read_list(list_at(lists, row), needed, name, into)?,
         }
         Ok(())
     }
+}
+
+/// Returns the list of a row, if there is one.
+pub(crate) fn list_at(lists: &ListArray, row: usize) -> Option<ArrayRef> {
+    lists.is_valid(row).then(|| lists.value(row))
+}
+
+/// Adds a list to numbers, as [`Vectors::read`] does.
+pub(crate) fn read_list<'n>(
+    list: Option<ArrayRef>,
+    needed: usize,
+    name: impl Fn(Option<usize>) -> &'n str,
+    into: &mut Vec<f64>,
+) -> Result<(), RowError> {
+    let list = list.ok_or_else(|| RowError::null(name(None)))?;
+    let values = list.as_primitive::<Float64Type>();
+    if values.len() != needed {
+        let (name, found) = (name(None), values.len());
+        return Err(RowError::refused(format!(
+            "{name} has {found} values (expected {needed})"
+        )));
+    }
+    if let Some(k) = (0..needed).find(|&k| values.is_null(k)) {
+        return Err(RowError::null(name(Some(k))));
+    }
+    into.extend_from_slice(values.values());
+    Ok(())
 }
 
 /// Adds the configuration of a row to numbers, if it is within its limits.
@@ -122,12 +137,12 @@ pub(crate) fn list_type() -> DataType {
 }
 
 /// Returns a column of lists of numbers.
-pub(crate) fn list_column<'l>(lists: impl IntoIterator<Item = &'l [f64]>) -> ArrayRef {
+pub(crate) fn list_column<'l>(lists: impl IntoIterator<Item = &'l [f64]>) -> ListArray {
     let mut column = ListBuilder::new(Float64Builder::new());
     for list in lists {
         column.append_value(list.iter().copied().map(Some));
     }
-    Arc::new(column.finish())
+    column.finish()
 }
 
 /// Returns the types to which the arguments of a vector are cast: `count` numbers, or one list.
@@ -138,4 +153,15 @@ pub(crate) fn vector_types(arguments: &[DataType], count: usize, what: &str) -> 
         all if all.len() == count && all.iter().all(is_number) => Ok(vec![DataType::Float64; count]),
         _ => plan_err!("{what} takes {count} number(s), or one list of them"),
     }
+}
+
+/// Returns the types of the arguments of a function that takes names of bodies and a vector.
+pub(crate) fn types_after_names<const N: usize>(
+    names: usize,
+    numbers: [&str; N],
+    types: &[DataType],
+) -> Result<Vec<DataType>> {
+    let what = format!("after {names} name(s), the function ({})", numbers.join(", "));
+    let vector = vector_types(types.get(names..).unwrap_or_default(), N, &what)?;
+    Ok([vec![DataType::Utf8; names], vector].concat())
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use datafusion::arrow::array::{AsArray, RecordBatch};
-use datafusion::arrow::compute::concat_batches;
+use datafusion::arrow::compute::BatchCoalescer;
 use datafusion::arrow::datatypes::{Int64Type, SchemaRef};
 use datafusion::arrow::util::display::array_value_to_string;
 use datafusion::datasource::MemTable;
@@ -124,44 +124,35 @@ impl Run<'_> {
     pub async fn go(&self, progress: &RunProgress) -> Result<RunSummary, StudyError> {
         let manifest = Manifest::new(self);
         manifest.claim(self.folder)?;
-        progress.total.store(self.rows().await?, Ordering::Relaxed);
+        let context = engine::local(self.study, self.options.partitions);
+        let rows = self.input.read(&context).await?.count().await?;
+        progress.total.store(rows as u64, Ordering::Relaxed);
         match &self.options.scheduler {
             None => self.go_local(progress).await,
             Some(scheduler) => self.go_remote(scheduler, progress).await,
         }
     }
 
-    async fn rows(&self) -> Result<u64, StudyError> {
-        let context = engine::local(self.study, self.options.partitions);
-        Ok(self.input.read(&context).await?.count().await? as u64)
-    }
-
     async fn go_local(&self, progress: &RunProgress) -> Result<RunSummary, StudyError> {
-        let (reader, context) = (
-            engine::local(self.study, 1),
-            engine::local(self.study, self.options.partitions),
-        );
+        let [reader, context] = [1, self.options.partitions].map(|count| engine::local(self.study, count));
         let mut summary = RunSummary::default();
         for file in self.input.each() {
             let rows = file.read(&reader).await?;
             let mut stream = rows.execute_stream().await?;
-            let schema = stream.schema();
-            let (mut waiting, mut count) = (Vec::new(), 0);
-            while let Some(batch) = stream.next().await {
-                let mut batch = batch?;
-                while count + batch.num_rows() >= self.options.rows_per_part {
-                    let cut = self.options.rows_per_part - count;
-                    waiting.push(batch.slice(0, cut));
-                    batch = batch.slice(cut, batch.num_rows() - cut);
-                    self.block(&context, &schema, std::mem::take(&mut waiting), &mut summary, progress)
-                        .await?;
-                    count = 0;
+            let mut parts = BatchCoalescer::new(stream.schema(), self.options.rows_per_part.max(1));
+            loop {
+                let batch = stream.next().await.transpose()?;
+                let is_end = batch.is_none();
+                match batch {
+                    Some(batch) => parts.push_batch(batch)?,
+                    None => parts.finish_buffered_batch()?,
                 }
-                count += batch.num_rows();
-                waiting.push(batch);
-            }
-            if count > 0 {
-                self.block(&context, &schema, waiting, &mut summary, progress).await?;
+                while let Some(rows) = parts.next_completed_batch() {
+                    self.block(&context, &rows, &mut summary, progress).await?;
+                }
+                if is_end {
+                    break;
+                }
             }
         }
         Ok(summary)
@@ -171,13 +162,11 @@ impl Run<'_> {
     async fn block(
         &self,
         context: &SessionContext,
-        schema: &SchemaRef,
-        rows: Vec<RecordBatch>,
+        rows: &RecordBatch,
         summary: &mut RunSummary,
         progress: &RunProgress,
     ) -> Result<(), StudyError> {
         let path = self.part(summary.parts);
-        let rows = concat_batches(schema, &rows)?;
         summary.parts += 1;
         summary.rows += rows.num_rows() as u64;
         if path.exists() {
@@ -185,7 +174,7 @@ impl Run<'_> {
             progress.known.fetch_add(rows.num_rows() as u64, Ordering::Relaxed);
             return Ok(());
         }
-        let table = MemTable::try_new(Arc::clone(schema), divided(&rows, self.options.partitions))?;
+        let table = MemTable::try_new(rows.schema(), divided(rows, self.options.partitions))?;
         context.deregister_table(TABLE)?;
         context.register_table(TABLE, Arc::new(table))?;
         let answers = context.sql(self.query).await?;

@@ -1,32 +1,16 @@
 //! Samples configurations within the limits of the joints.
 
+use std::iter;
 use std::ops::Range;
 use std::sync::Arc;
 
 use datafusion::arrow::array::{ArrayRef, Float64Array, Int64Array, RecordBatch};
-use datafusion::arrow::datatypes::{DataType, Field, Schema};
 use lin_canny_robot::Coordinate;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::error::StudyError;
 use crate::input::ID;
-
-/// Sampling method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Source {
-    /// The sequence of J. H. Halton, "On the efficiency of certain quasi-random sequences of points
-    /// in evaluating multi-dimensional integrals" (1960), section 2: joint k uses the k-th prime as
-    /// its base. It fills space more evenly than random numbers. With more than about ten joints,
-    /// neighbouring primes are correlated for long, and random numbers are better.
-    Halton,
-    /// Independent, uniform numbers.
-    Random {
-        /// Random seed. The same seed gives the same configurations on every machine.
-        seed: u64,
-    },
-}
 
 /// A generator of configurations.
 pub struct Sampler {
@@ -35,22 +19,30 @@ pub struct Sampler {
     random: Option<ChaCha8Rng>,
 }
 
-impl Source {
-    /// Returns the generator for joints, at its first configuration.
+impl Sampler {
+    /// Returns the sequence of J. H. Halton, "On the efficiency of certain quasi-random sequences of points
+    /// in evaluating multi-dimensional integrals" (1960), section 2: joint k uses the k-th prime as its base.
+    ///
+    /// It fills space more evenly than random numbers. With more than about ten joints, neighbouring primes
+    /// are correlated for long, and random numbers are better.
     #[must_use]
-    pub fn begin(self, coordinates: &[Coordinate]) -> Sampler {
-        Sampler {
+    pub fn halton(coordinates: &[Coordinate]) -> Self {
+        Self {
             primes: primes(coordinates.len()),
             coordinates: coordinates.to_vec(),
-            random: match self {
-                Self::Halton => None,
-                Self::Random { seed } => Some(ChaCha8Rng::seed_from_u64(seed)),
-            },
+            random: None,
         }
     }
-}
 
-impl Sampler {
+    /// Returns independent, uniform numbers. The same seed gives the same configurations on every machine.
+    #[must_use]
+    pub fn random(coordinates: &[Coordinate], seed: u64) -> Self {
+        Self {
+            random: Some(ChaCha8Rng::seed_from_u64(seed)),
+            ..Self::halton(coordinates)
+        }
+    }
+
     /// Returns rows with a column `id` and one column per joint.
     ///
     /// Random rows are always the next ones of the generator, for any ids.
@@ -73,12 +65,12 @@ impl Sampler {
                 column.push((lower + (upper - lower) * part).clamp(lower, upper));
             }
         }
-        let number = |c: &Coordinate| Field::new(&c.name, DataType::Float64, false);
-        let mut fields = vec![Field::new(ID, DataType::Int64, false)];
-        fields.extend(self.coordinates.iter().map(number));
-        let mut arrays: Vec<ArrayRef> = vec![Arc::new(Int64Array::from_iter_values(ids.map(|id| id as i64)))];
-        arrays.extend(columns.into_iter().map(|c| Arc::new(Float64Array::from(c)) as ArrayRef));
-        Ok(RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)?)
+        let ids: ArrayRef = Arc::new(Int64Array::from_iter_values(ids.map(|id| id as i64)));
+        let numbers = columns.into_iter().map(|c| Arc::new(Float64Array::from(c)) as ArrayRef);
+        let names = self.coordinates.iter().map(|c| c.name.as_str());
+        Ok(RecordBatch::try_from_iter(
+            iter::once((ID, ids)).chain(names.zip(numbers)),
+        )?)
     }
 }
 

@@ -4,7 +4,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use lin_canny_plan::{Cell, Checker, Coordinate, JointTree};
-use lin_canny_robot::{LoadedCell, RobotFiles, Skipped};
 
 use crate::error::StudyError;
 
@@ -50,7 +49,6 @@ impl StudyOptions {
 /// A batch of rows takes a checker from the pool and returns it. Before each row the checker drops
 /// all cached state ([`Checker::forget`]), so the result depends on the row alone, bit for bit.
 pub struct Study {
-    skipped: Vec<Skipped>,
     options: StudyOptions,
     fingerprint: String,
     /// The checker whose forks answer.
@@ -60,24 +58,11 @@ pub struct Study {
 }
 
 impl Study {
-    /// Returns the study of the files of a robot and a cell.
-    ///
-    /// # Errors
-    /// Returns an error if a file is invalid or no checker can be made.
-    pub fn load(files: &RobotFiles, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
-        let LoadedCell { cell, skipped, .. } = files.load()?;
-        Self::of(cell, skipped, options)
-    }
-
     /// Returns the study of a robot and a cell.
     ///
     /// # Errors
     /// Returns an error if no checker can be made, or if a margin is negative or not finite.
     pub fn new(cell: Cell, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
-        Self::of(cell, Vec::new(), options)
-    }
-
-    fn of(cell: Cell, skipped: Vec<Skipped>, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
         let mut first = Checker::of_robots(cell)?;
         if let Some(margin) = options.margin {
             first.cell_mut().set_margin(margin)?;
@@ -85,7 +70,6 @@ impl Study {
         first.set_start_contact_margin(options.start_contact_margin)?;
         Ok(Arc::new(Self {
             fingerprint: fingerprint(&first, options)?,
-            skipped,
             options,
             first,
             pool: Mutex::default(),
@@ -103,12 +87,6 @@ impl Study {
     #[must_use]
     pub fn cell(&self) -> &Cell {
         self.first.cell()
-    }
-
-    /// Returns what the files name and the cell does not hold.
-    #[must_use]
-    pub fn skipped(&self) -> &[Skipped] {
-        &self.skipped
     }
 
     /// Returns the options.
@@ -168,34 +146,4 @@ fn fingerprint(checker: &Checker<JointTree>, options: StudyOptions) -> Result<St
     // The whole cell: robots, bodies, frames, excluded pairs, margins and paddings.
     serde_json::to_writer(&mut hasher, checker.cell())?;
     Ok(hasher.finalize().to_hex()[..16].to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use lin_canny_plan::PlanError;
-
-    use super::*;
-
-    #[test]
-    fn fingerprints_cover_what_pairs_must_keep() {
-        let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/../robot/examples/six_axis.urdf");
-        let cell = RobotFiles::new(urdf).load().expect("the example").cell;
-        let of = |change: &dyn Fn(&mut Checker<JointTree>) -> Result<(), PlanError>| {
-            let mut checker = Checker::of_robots(cell.clone()).expect("a checker");
-            change(&mut checker).expect("a change");
-            fingerprint(&checker, StudyOptions::default()).expect("a fingerprint")
-        };
-        let all = [
-            of(&|_| Ok(())),
-            of(&|c| c.cell_mut().set_pair_margin("base", "gripper", Some(0.01)).map(|_| ())),
-            of(&|c| c.cell_mut().set_pair_margin("base", "gripper", Some(0.0)).map(|_| ())),
-            of(&|c| c.cell_mut().set_pair_margin("base", "forearm", Some(0.01)).map(|_| ())),
-            of(&|c| c.cell_mut().pad("gripper", 0.01).map(|_| ())),
-            of(&|c| c.cell_mut().exclude("base", "gripper").map(|_| ())),
-            of(&|c| c.cell_mut().set_margin(0.01)),
-        ];
-        let different: std::collections::BTreeSet<_> = all.iter().collect();
-        assert_eq!(different.len(), all.len(), "{all:?}");
-        assert_eq!(all[0], of(&|c| c.cell_mut().pad("gripper", 0.0).map(|_| ())));
-    }
 }

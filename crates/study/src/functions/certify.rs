@@ -2,26 +2,25 @@
 
 use datafusion::arrow::array::ArrayRef;
 use datafusion::arrow::datatypes::DataType;
+use datafusion::common::ScalarValue;
 use datafusion::common::plan_err;
 use datafusion::error::Result;
 use lin_canny_plan::{Checker, JointMotion, JointTree, Verdict};
 
-use super::answers::{Kind, Value, structs};
+use super::answers::{FieldList, Kind, number, structs, text};
 use crate::error::RowError;
 use crate::rows::{Ends, vector_types};
 use crate::study::Study;
 
-pub(super) const FIELDS: [(&str, Kind); 6] = [
-    ("verdict", Kind::Word),
-    ("safe", Kind::Number),
-    ("t", Kind::Number),
-    ("a", Kind::Word),
-    ("b", Kind::Word),
-    ("start_contacts", Kind::Word),
+pub(super) const FIELDS: &FieldList = &[
+    (Kind::Word, "verdict"),
+    (Kind::Number, "safe t"),
+    (Kind::Word, "a b start_contacts"),
 ];
 
 /// Accepts two lists, or the numbers of both ends.
-pub(super) fn argument_types(name: &str, types: &[DataType], count: usize) -> Result<Vec<DataType>> {
+pub(super) fn argument_types(study: &Study, name: &str, types: &[DataType]) -> Result<Vec<DataType>> {
+    let count = study.coordinates().len();
     if types.len() != 2 && types.len() != 2 * count {
         return plan_err!(
             "{name} has invalid arguments (expected two lists of {count} numbers, or {} numbers)",
@@ -36,7 +35,7 @@ pub(super) fn argument_types(name: &str, types: &[DataType], count: usize) -> Re
 
 pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
     let (ends, coordinates) = (Ends::new(arguments), study.coordinates());
-    structs(study, &FIELDS, rows, |checker, row, numbers| {
+    structs(study, FIELDS, rows, |checker, row, numbers| {
         let [from, to] = ends.read(row, coordinates, numbers)?;
         checker.forget();
         let verdict = checker
@@ -47,8 +46,8 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
 }
 
 /// Returns the fields of a verdict.
-pub(super) fn values(checker: &Checker<JointTree>, verdict: &Verdict) -> Vec<Value> {
-    let (name, safe) = (Value::word(verdict.name()), Value::Number(verdict.free_until()));
+pub(super) fn values(checker: &Checker<JointTree>, verdict: &Verdict) -> Vec<ScalarValue> {
+    let (name, safe) = (text(verdict.name()), number(verdict.free_until()));
     match verdict {
         Verdict::Free { start_contacts, .. } if start_contacts.is_empty() => vec![name, safe],
         Verdict::Free { start_contacts, .. } => {
@@ -56,11 +55,18 @@ pub(super) fn values(checker: &Checker<JointTree>, verdict: &Verdict) -> Vec<Val
                 .iter()
                 .map(|leaving| checker.show(&leaving.pair).to_string());
             let pairs = pairs.collect::<Vec<_>>().join(", ");
-            vec![name, safe, Value::Null, Value::Null, Value::Null, Value::Word(pairs)]
+            vec![
+                name,
+                safe,
+                ScalarValue::Null,
+                ScalarValue::Null,
+                ScalarValue::Null,
+                text(pairs),
+            ]
         }
         Verdict::Blocked { contact_at, pair, .. } => {
-            let [a, b] = [pair.a, pair.b].map(|part| Value::word(checker.name(part)));
-            vec![name, safe, Value::Number(*contact_at), a, b]
+            let [a, b] = [pair.a, pair.b].map(|part| text(checker.name(part)));
+            vec![name, safe, number(*contact_at), a, b]
         }
         _ => vec![name, safe],
     }

@@ -1,7 +1,7 @@
 //! `certify_curve(p0, .., pn)`: proves a Bezier curve free, or returns the time and the pair that
 //! collides.
 
-use datafusion::arrow::array::{Array, ArrayRef, AsArray, ListArray};
+use datafusion::arrow::array::{ArrayRef, AsArray};
 use datafusion::arrow::datatypes::{DataType, Field};
 use datafusion::common::plan_err;
 use datafusion::error::Result;
@@ -12,11 +12,11 @@ use std::sync::Arc;
 use super::answers::structs;
 use super::certify::{FIELDS, values};
 use crate::error::RowError;
-use crate::rows::{Vectors, list_type};
+use crate::rows::{list_at, list_type, read_list};
 use crate::study::Study;
 
 /// Accepts one list per control point, or one list of such lists.
-pub(super) fn argument_types(types: &[DataType]) -> Result<Vec<DataType>> {
+pub(super) fn argument_types(_: &Study, _: &str, types: &[DataType]) -> Result<Vec<DataType>> {
     let inner = |of: &DataType| match of {
         DataType::List(field) | DataType::LargeList(field) | DataType::FixedSizeList(field, _) => {
             Some(field.data_type().clone())
@@ -36,63 +36,30 @@ pub(super) fn argument_types(types: &[DataType]) -> Result<Vec<DataType>> {
     }
 }
 
-/// The control points of each row.
-enum Curves {
-    /// A column for each control point.
-    Columns(Vec<Vectors>),
-    /// A column of lists of control points.
-    Lists(ListArray),
-}
-
-impl Curves {
-    fn new(arguments: &[ArrayRef]) -> Self {
-        match arguments {
-            [one] if one.as_list::<i32>().value_type() == list_type() => Self::Lists(one.as_list().clone()),
-            columns => Self::Columns(columns.iter().map(|c| Vectors::new(std::slice::from_ref(c))).collect()),
+/// Returns the control points of a row, as lists.
+fn control_points(arguments: &[ArrayRef], row: usize) -> Result<Vec<Option<ArrayRef>>, RowError> {
+    match arguments {
+        [one] if one.as_list::<i32>().value_type() == list_type() => {
+            let points = list_at(one.as_list(), row).ok_or_else(|| RowError::null("the curve"))?;
+            Ok(points.as_list::<i32>().iter().collect())
         }
-    }
-
-    /// Reads the control points of a row, one after the other.
-    fn read(&self, row: usize, coordinates: &[Coordinate], all: &mut Vec<f64>) -> Result<(), RowError> {
-        match self {
-            Self::Columns(columns) => {
-                let mut points = columns.iter().enumerate();
-                points.try_for_each(|(k, column)| control_point(column, row, k, coordinates, all))
-            }
-            Self::Lists(lists) if lists.is_null(row) => Err(RowError::null("the curve")),
-            Self::Lists(lists) => {
-                let points = lists.value(row);
-                let count = points.len();
-                let points = Vectors::new(&[points]);
-                (0..count).try_for_each(|k| control_point(&points, k, k, coordinates, all))
-            }
-        }
-    }
-}
-
-/// Adds a control point, the one of a row of vectors.
-fn control_point(
-    vectors: &Vectors,
-    row: usize,
-    number: usize,
-    coordinates: &[Coordinate],
-    all: &mut Vec<f64>,
-) -> Result<(), RowError> {
-    let name = |k: Option<usize>| k.map_or("the list", |k| coordinates[k].name.as_str());
-    let refused = |what: String| RowError::refused(format!("control point {number}: {what}"));
-    let start = all.len();
-    let read = vectors.read(row, coordinates.len(), name, all);
-    read.map_err(|error| refused(error.to_string()))?;
-    match all[start..].iter().zip(coordinates).find(|(x, _)| !x.is_finite()) {
-        None => Ok(()),
-        Some((x, Coordinate { name, .. })) => Err(refused(format!("{name} is {x:?} (expected a finite number)"))),
+        columns => Ok(columns.iter().map(|column| list_at(column.as_list(), row)).collect()),
     }
 }
 
 pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
-    let (curves, coordinates) = (Curves::new(arguments), study.coordinates());
-    structs(study, &FIELDS, rows, |checker, row, numbers| {
-        curves.read(row, coordinates, numbers)?;
+    let coordinates = study.coordinates();
+    let name = |k: Option<usize>| k.map_or("the list", |k| coordinates[k].name.as_str());
+    structs(study, FIELDS, rows, |checker, row, numbers| {
+        for (number, point) in control_points(arguments, row)?.into_iter().enumerate() {
+            let refused = |what: String| RowError::refused(format!("control point {number}: {what}"));
+            let start = numbers.len();
+            read_list(point, coordinates.len(), name, numbers).map_err(|error| refused(error.to_string()))?;
+            if let Some((k, x)) = (0..).zip(&numbers[start..]).find(|(_, x)| !x.is_finite()) {
+                let name = &coordinates[k].name;
+                return Err(refused(format!("{name} is {x:?} (expected a finite number)")));
+            }
+        }
         let points: Vec<&[f64]> = numbers.chunks(coordinates.len().max(1)).collect();
         checker.forget();
         let verdict = JointCurve::bezier(&points).and_then(|curve| checker.certify(&JointMotion::curve(&curve)));
@@ -103,7 +70,7 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
                 value,
             } => {
                 let Coordinate { name, limits, .. } = &coordinates[coordinate];
-                RowError::limits(format!("{name} at {time:?} of the curve"), value, *limits)
+                RowError::limits(&format!("{name} at {time:?} of the curve"), value, *limits)
             }
             error => RowError::refused(error),
         })?;

@@ -23,78 +23,41 @@ use datafusion::logical_expr::{
 use datafusion::prelude::{SessionConfig, SessionContext};
 use lin_canny_plan::{Checker, JointTree};
 
-use self::answers::fields_of;
+use self::Returns::{Struct, Text, Truth};
+use self::answers::{FieldList, fields_of};
 use crate::error::RowError;
 use crate::rows::{Vectors, configuration, vector_types};
 use crate::study::Study;
 
-/// A kind of function: its name, the type of a result, the types of its arguments, and the results
-/// of the rows of a batch.
+/// What a function returns for a row.
 #[derive(Clone, Copy)]
-struct Question {
-    name: &'static str,
-    answer_type: fn() -> DataType,
-    argument_types: fn(&Study, &[DataType]) -> Result<Vec<DataType>>,
-    answer: fn(&Study, &[ArrayRef], usize) -> Result<ArrayRef>,
+enum Returns {
+    Struct(&'static FieldList),
+    Truth,
+    Text,
 }
+
+type ArgumentTypes = fn(&Study, &str, &[DataType]) -> Result<Vec<DataType>>;
+type Answer = fn(&Study, &[ArrayRef], usize) -> Result<ArrayRef>;
+
+/// A kind of function: its name, what it returns, the types of its arguments, and the results of the rows of
+/// a batch.
+#[derive(Clone, Copy)]
+struct Question(&'static str, Returns, ArgumentTypes, Answer);
 
 const FAULT: &str = "configuration_error";
 
+#[rustfmt::skip] // a table
 const QUESTIONS: [Question; 9] = [
-    Question {
-        name: "clearance",
-        answer_type: || DataType::Struct(fields_of(&clearance::FIELDS)),
-        argument_types: |study, types| configuration_types(study, "clearance", types),
-        answer: clearance::answer,
-    },
-    Question {
-        name: "is_free",
-        answer_type: || DataType::Boolean,
-        argument_types: |study, types| configuration_types(study, "is_free", types),
-        answer: is_free,
-    },
-    Question {
-        name: "certify",
-        answer_type: || DataType::Struct(fields_of(&certify::FIELDS)),
-        argument_types: |study, types| certify::argument_types("certify", types, study.coordinates().len()),
-        answer: certify::answer,
-    },
-    Question {
-        name: "certify_curve",
-        answer_type: || DataType::Struct(fields_of(&certify::FIELDS)),
-        argument_types: |_, types| certify_curve::argument_types(types),
-        answer: certify_curve::answer,
-    },
-    Question {
-        name: "separation",
-        answer_type: || DataType::Struct(fields_of(&separation::FIELDS)),
-        argument_types: |_, types| separation::argument_types(types),
-        answer: separation::answer,
-    },
-    Question {
-        name: "signed_distance",
-        answer_type: || DataType::Struct(fields_of(&signed_distance::FIELDS)),
-        argument_types: |_, types| signed_distance::argument_types(types),
-        answer: signed_distance::answer,
-    },
-    Question {
-        name: "prove_pair",
-        answer_type: || DataType::Struct(fields_of(&prove_pair::FIELDS)),
-        argument_types: |study, types| prove_pair::argument_types(types, study.coordinates().len()),
-        answer: prove_pair::answer,
-    },
-    Question {
-        name: "receipt",
-        answer_type: || DataType::Struct(fields_of(&receipt::FIELDS)),
-        argument_types: |study, types| certify::argument_types("receipt", types, study.coordinates().len()),
-        answer: receipt::answer,
-    },
-    Question {
-        name: FAULT,
-        answer_type: || DataType::Utf8,
-        argument_types: |study, types| configuration_types(study, FAULT, types),
-        answer: faults,
-    },
+    Question("clearance", Struct(clearance::FIELDS), configuration_types, clearance::answer),
+    Question("is_free", Truth, configuration_types, is_free),
+    Question("certify", Struct(certify::FIELDS), certify::argument_types, certify::answer),
+    Question("certify_curve", Struct(certify::FIELDS), certify_curve::argument_types, certify_curve::answer),
+    Question("separation", Struct(separation::FIELDS), separation::argument_types, separation::answer),
+    Question("signed_distance", Struct(signed_distance::FIELDS), signed_distance::argument_types, signed_distance::answer),
+    Question("prove_pair", Struct(prove_pair::FIELDS), prove_pair::argument_types, prove_pair::answer),
+    Question("receipt", Struct(receipt::FIELDS), certify::argument_types, receipt::answer),
+    Question(FAULT, Text, configuration_types, faults),
 ];
 
 /// Accepts the numbers of a configuration, or one list of them.
@@ -113,7 +76,6 @@ struct StudyFunction {
     study: Arc<Study>,
     question: Question,
     name: String,
-    aliases: [String; 1],
     signature: Signature,
 }
 
@@ -145,13 +107,9 @@ impl ScalarUDFImpl for StudyFunction {
         &self.name
     }
 
-    fn aliases(&self) -> &[String] {
-        &self.aliases
-    }
-
     fn schema_name(&self, arguments: &[Expr]) -> Result<String> {
         let arguments: Vec<_> = arguments.iter().map(|a| a.schema_name().to_string()).collect();
-        Ok(format!("{}({})", self.question.name, arguments.join(",")))
+        Ok(format!("{}({})", self.question.0, arguments.join(",")))
     }
 
     fn signature(&self) -> &Signature {
@@ -159,24 +117,24 @@ impl ScalarUDFImpl for StudyFunction {
     }
 
     fn coerce_types(&self, types: &[DataType]) -> Result<Vec<DataType>> {
-        (self.question.argument_types)(&self.study, types)
+        (self.question.2)(&self.study, self.question.0, types)
     }
 
     fn return_type(&self, _: &[DataType]) -> Result<DataType> {
-        Ok((self.question.answer_type)())
+        Ok(match self.question.1 {
+            Struct(fields) => DataType::Struct(fields_of(fields)),
+            Truth => DataType::Boolean,
+            Text => DataType::Utf8,
+        })
     }
 
     fn invoke_with_args(&self, called: ScalarFunctionArgs) -> Result<ColumnarValue> {
         let rows = called.number_rows;
         let arguments: Vec<_> = called.args.iter().map(|a| a.to_array(rows)).collect::<Result<_>>()?;
-        if self.question.name != FAULT {
+        if self.question.0 != FAULT {
             self.study.count(rows);
         }
-        Ok(ColumnarValue::Array((self.question.answer)(
-            &self.study,
-            &arguments,
-            rows,
-        )?))
+        Ok(ColumnarValue::Array((self.question.3)(&self.study, &arguments, rows)?))
     }
 }
 
@@ -188,13 +146,12 @@ impl Study {
     pub fn functions(self: &Arc<Self>) -> Vec<Arc<ScalarUDF>> {
         let function = |question: Question| StudyFunction {
             study: Arc::clone(self),
-            name: format!("{}_{}", question.name, self.fingerprint()),
-            aliases: [question.name.into()],
+            name: format!("{}_{}", question.0, self.fingerprint()),
             signature: Signature::user_defined(Volatility::Immutable),
             question,
         };
         QUESTIONS
-            .map(|question| Arc::new(ScalarUDF::from(function(question))))
+            .map(|question| Arc::new(ScalarUDF::from(function(question)).with_aliases([question.0])))
             .into()
     }
 

@@ -8,22 +8,20 @@ use datafusion::error::Result;
 use lin_canny_plan::{ClearanceWidth, RangeOptions};
 use lin_canny_robot::audit_pair;
 
-use super::answers::{Kind, Value, structs};
+use super::answers::{FieldList, Kind, list, number, structs, text};
 use crate::error::RowError;
 use crate::rows::{Ends, vector_types, word};
 use crate::study::Study;
 
-pub(super) const FIELDS: [(&str, Kind); 6] = [
-    ("verdict", Kind::Word),
-    ("lower", Kind::Number),
-    ("upper", Kind::Number),
-    ("open", Kind::Number),
-    ("cells", Kind::Number),
-    ("at", Kind::Numbers),
+pub(super) const FIELDS: &FieldList = &[
+    (Kind::Word, "verdict"),
+    (Kind::Number, "lower upper open cells"),
+    (Kind::Numbers, "at"),
 ];
 
 /// Accepts two names, two lists, and optionally the most cells and the width.
-pub(super) fn argument_types(types: &[DataType], count: usize) -> Result<Vec<DataType>> {
+pub(super) fn argument_types(study: &Study, _: &str, types: &[DataType]) -> Result<Vec<DataType>> {
+    let count = study.coordinates().len();
     let [_, _, low, high, rest @ ..] = types else {
         return plan_err!("prove_pair takes two names, two lists of {count} numbers, and optionally cells and width");
     };
@@ -41,14 +39,14 @@ pub(super) fn argument_types(types: &[DataType], count: usize) -> Result<Vec<Dat
 pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
     let names = [0, 1].map(|k| arguments[k].as_string::<i32>());
     let (ends, coordinates) = (Ends::new(&arguments[2..4]), study.coordinates());
-    structs(study, &FIELDS, rows, |checker, row, numbers| {
+    structs(study, FIELDS, rows, |checker, row, numbers| {
         let range = ends.read(row, coordinates, numbers)?;
         let names = [word(names[0], row, "a")?, word(names[1], row, "b")?];
         let found = audit_pair(checker, names, range, &options(arguments, row)?).map_err(RowError::refused)?;
         let numbers = [found.lower, found.upper, found.open, found.cells as f64];
-        let mut values = vec![Value::word(found.verdict)];
-        values.extend(numbers.map(Value::Number));
-        values.push(Value::Numbers(found.at));
+        let mut values = vec![text(found.verdict)];
+        values.extend(numbers.map(number));
+        values.push(list(&found.at));
         Ok(values)
     })
 }

@@ -2,27 +2,18 @@
 
 use datafusion::arrow::array::{ArrayRef, AsArray, StringArray};
 use datafusion::arrow::datatypes::DataType;
-use datafusion::common::plan_err;
 use datafusion::error::Result;
 use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{ContactState, Geometry, PairTracker, RelativePose, normalize_rotation};
 
-use super::answers::{Kind, Value, structs};
+use super::answers::{FieldList, Kind, number, structs, text};
 use crate::error::RowError;
-use crate::rows::{Vectors, vector_types, word};
+use crate::rows::{Vectors, types_after_names, word};
 use crate::study::Study;
 
-pub(super) const FIELDS: [(&str, Kind); 10] = [
-    ("state", Kind::Word),
-    ("distance", Kind::Number),
-    ("lower", Kind::Number),
-    ("upper", Kind::Number),
-    ("a_x", Kind::Number),
-    ("a_y", Kind::Number),
-    ("a_z", Kind::Number),
-    ("b_x", Kind::Number),
-    ("b_y", Kind::Number),
-    ("b_z", Kind::Number),
+pub(super) const FIELDS: &FieldList = &[
+    (Kind::Word, "state"),
+    (Kind::Number, "distance lower upper a_x a_y a_z b_x b_y b_z"),
 ];
 
 /// The numbers of a pose.
@@ -31,18 +22,14 @@ const POSE: [&str; 7] = ["x", "y", "z", "qx", "qy", "qz", "qw"];
 /// Largest deviation of the norm of a quaternion from 1, as in files of cells.
 const NORM: f64 = 1e-3;
 
-pub(super) fn argument_types(types: &[DataType]) -> Result<Vec<DataType>> {
-    let [_, _, pose @ ..] = types else {
-        return plan_err!("separation takes two names and a pose");
-    };
-    let what = "the pose of separation (x, y, z, qx, qy, qz, qw)";
-    Ok([vec![DataType::Utf8; 2], vector_types(pose, POSE.len(), what)?].concat())
+pub(super) fn argument_types(_: &Study, _: &str, types: &[DataType]) -> Result<Vec<DataType>> {
+    types_after_names(2, POSE, types)
 }
 
 pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
     let names = [0, 1].map(|k| arguments[k].as_string::<i32>());
     let poses = Vectors::new(&arguments[2..]);
-    structs(study, &FIELDS, rows, |_, row, numbers| {
+    structs(study, FIELDS, rows, |_, row, numbers| {
         let (a, b) = (body(study, names[0], row, "a")?, body(study, names[1], row, "b")?);
         poses.read(row, POSE.len(), |k| k.map_or("the pose", |k| POSE[k]), numbers)?;
         let pose = pose_of(numbers)?;
@@ -53,8 +40,8 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
         let distance = if is_known { found.distance } else { 0.0 };
         let (p, q) = (found.point_on_a, pose * found.point_on_b);
         let numbers = [distance, found.lower, found.upper, p.x, p.y, p.z, q.x, q.y, q.z];
-        let mut values = vec![Value::word(found.state)];
-        values.extend(numbers.map(Value::Number));
+        let mut values = vec![text(found.state)];
+        values.extend(numbers.map(number));
         Ok(values)
     })
 }
@@ -70,10 +57,11 @@ pub(super) fn body<'s>(
     let mut bodies = cell.bodies().filter(|(_, of_body)| *of_body == name);
     match (bodies.next().and_then(|(id, _)| cell.geometry(id)), bodies.count()) {
         (Some(only), 0) => Ok(only),
-        (first, more) => Err(RowError::Name {
-            name: name.to_owned(),
-            count: usize::from(first.is_some()) + more,
-        }),
+        (first, more) => {
+            let count = usize::from(first.is_some()) + more;
+            let error = format!("{count} bodies have the name {name:?} (expected 1)");
+            Err(RowError::refused(error))
+        }
     }
 }
 

@@ -2,29 +2,22 @@
 
 use datafusion::arrow::array::{ArrayRef, AsArray};
 use datafusion::arrow::datatypes::DataType;
-use datafusion::common::plan_err;
 use datafusion::error::Result;
 use lin_canny::PointQuery;
 use lin_canny::nalgebra::Point3;
 
-use super::answers::{Kind, Value, structs};
+use super::answers::{FieldList, Kind, number, structs, text};
 use super::separation::body;
 use crate::error::RowError;
-use crate::rows::{Vectors, vector_types, word};
+use crate::rows::{Vectors, types_after_names, word};
 use crate::study::Study;
 
-pub(super) const FIELDS: [(&str, Kind); 11] = [
-    ("state", Kind::Word),
-    ("distance", Kind::Number),
-    ("lower", Kind::Number),
-    ("upper", Kind::Number),
-    ("closest_x", Kind::Number),
-    ("closest_y", Kind::Number),
-    ("closest_z", Kind::Number),
-    ("normal_x", Kind::Number),
-    ("normal_y", Kind::Number),
-    ("normal_z", Kind::Number),
-    ("subshape", Kind::Number),
+pub(super) const FIELDS: &FieldList = &[
+    (Kind::Word, "state"),
+    (
+        Kind::Number,
+        "distance lower upper closest_x closest_y closest_z normal_x normal_y normal_z subshape",
+    ),
 ];
 
 /// The numbers of a point.
@@ -33,19 +26,15 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// Absolute values of coordinates are below it, as in [`PointQuery::closest_point`].
 const FAR: f64 = 1e116;
 
-pub(super) fn argument_types(types: &[DataType]) -> Result<Vec<DataType>> {
-    let [_, point @ ..] = types else {
-        return plan_err!("signed_distance takes a name and a point");
-    };
-    let point = vector_types(point, AXES.len(), "the point of signed_distance (x, y, z)")?;
-    Ok([vec![DataType::Utf8], point].concat())
+pub(super) fn argument_types(_: &Study, _: &str, types: &[DataType]) -> Result<Vec<DataType>> {
+    types_after_names(1, AXES, types)
 }
 
 pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
     let (names, points) = (arguments[0].as_string::<i32>(), Vectors::new(&arguments[1..]));
     // The body of the row before.
     let mut last: Option<(&str, PointQuery<'_>)> = None;
-    structs(study, &FIELDS, rows, |_, row, numbers| {
+    structs(study, FIELDS, rows, |_, row, numbers| {
         let name = word(names, row, "body")?;
         let query = match &last {
             Some((known, query)) if *known == name => query,
@@ -61,9 +50,9 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
             .map_err(RowError::refused)?;
         let (p, n, subshape) = (found.point, found.normal, f64::from(found.location.subshape));
         let bounds = [found.distance, found.lower, found.upper];
-        let mut values = vec![Value::word(found.state)];
-        values.extend(bounds.map(Value::Number));
-        values.extend([p.x, p.y, p.z, n.x, n.y, n.z, subshape].map(Value::Number));
+        let mut values = vec![text(found.state)];
+        values.extend(bounds.map(number));
+        values.extend([p.x, p.y, p.z, n.x, n.y, n.z, subshape].map(number));
         Ok(values)
     })
 }

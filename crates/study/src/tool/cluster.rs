@@ -1,48 +1,28 @@
 //! The commands `scheduler` and `executor`: the processes of a cluster.
 
 use clap::Args;
-use lin_canny_study::{StudyError, cluster};
+use lin_canny_study::StudyError;
+use lin_canny_study::cluster::{Executor, Scheduler};
 
 use super::options::StudyArguments;
 
+/// The options of a process, and those of the study.
 #[derive(Args)]
-pub(super) struct SchedulerOptions {
-    #[command(flatten)]
-    study: StudyArguments,
-    /// Address to listen on; 0.0.0.0 admits other machines (no authentication: trusted networks
-    /// only)
-    #[arg(long, value_name = "HOST", default_value = "127.0.0.1")]
-    bind: String,
-    /// Port to listen on
-    #[arg(long, default_value_t = 50_050)]
-    port: u16,
-    /// Seconds without a message after which an executor counts as lost and others repeat its rows
-    #[arg(long, alias = "lost-after", value_name = "SECONDS", default_value_t = 30)]
-    executor_timeout: u64,
-}
-
-#[derive(Args)]
-pub(super) struct ExecutorOptions {
+pub(super) struct ProcessOptions<P: Args> {
     #[command(flatten)]
     study: StudyArguments,
     #[command(flatten)]
-    executor: cluster::Executor,
+    process: P,
 }
 
-pub(super) async fn schedule(options: &SchedulerOptions) -> Result<(), StudyError> {
-    let study = options.study.load()?;
-    say!("scheduler at {}:{}", options.bind, options.port);
-    cluster::schedule(&study, &options.bind, options.port, options.executor_timeout).await
+pub(super) async fn schedule(options: &ProcessOptions<Scheduler>) -> Result<(), StudyError> {
+    let (study, process) = (options.study.load()?, &options.process);
+    say!("scheduler at {}:{}", process.bind, process.port);
+    process.run(&study).await
 }
 
-pub(super) async fn execute(options: &ExecutorOptions) -> Result<(), StudyError> {
-    let study = options.study.load()?;
-    let executor = &options.executor;
-    say!(
-        "executor of {} at {}:{}",
-        executor.scheduler,
-        executor.bind,
-        executor.port
-    );
-    executor.run(&study).await
+pub(super) async fn execute(options: &ProcessOptions<Executor>) -> Result<(), StudyError> {
+    let (study, process) = (options.study.load()?, &options.process);
+    say!("executor of {} at {}:{}", process.scheduler, process.bind, process.port);
+    process.run(&study).await
 }

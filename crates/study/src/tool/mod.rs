@@ -1,19 +1,5 @@
 //! The command line tool: its commands and exit codes.
 
-/// Writes a line to stdout.
-macro_rules! say {
-    ($($part:tt)*) => {
-        $crate::tool::text::put(format_args!("{}\n", format_args!($($part)*)))
-    };
-}
-
-/// Writes a line to stderr.
-macro_rules! warn {
-    ($($part:tt)*) => {
-        $crate::tool::text::complain(format_args!($($part)*))
-    };
-}
-
 mod cells;
 mod cluster;
 mod options;
@@ -21,12 +7,11 @@ mod progress;
 mod roadmap;
 mod run;
 mod sample;
-mod text;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use lin_canny_study::StudyError;
+use lin_canny_study::cluster::{Executor, Scheduler};
 
 const ENDS: &str = "\
 Exit codes:
@@ -55,36 +40,27 @@ enum Command {
     /// Write a roadmap: free nodes, and edges between them that are proven free
     Roadmap(roadmap::RoadmapOptions),
     /// Start a scheduler, which divides queries among executors
-    Scheduler(cluster::SchedulerOptions),
+    Scheduler(cluster::ProcessOptions<Scheduler>),
     /// Start an executor, which processes rows for a scheduler
-    Executor(cluster::ExecutorOptions),
+    Executor(cluster::ProcessOptions<Executor>),
 }
 
-pub(crate) fn main() -> ExitCode {
+#[tokio::main]
+pub(crate) async fn main() -> ExitCode {
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("error")).init();
-    let arguments = Arguments::parse();
-    match done(arguments.command) {
+    let done = match Arguments::parse().command {
+        Command::Sample(options) => sample::run(&options),
+        Command::Cells(options) => cells::run(&options),
+        Command::Run(options) => run::run(&options).await,
+        Command::Roadmap(options) => roadmap::run(&options).await,
+        Command::Scheduler(options) => cluster::schedule(&options).await,
+        Command::Executor(options) => cluster::execute(&options).await,
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             warn!("lin-canny-study: {error}");
             ExitCode::from(3)
         }
     }
-}
-
-fn done(command: Command) -> Result<(), StudyError> {
-    let runtime = tokio::runtime::Builder::new_multi_thread()
-        .enable_all()
-        .build()
-        .map_err(|e| StudyError::Cluster(e.to_string()))?;
-    runtime.block_on(async {
-        match command {
-            Command::Sample(options) => sample::run(&options),
-            Command::Cells(options) => cells::run(&options),
-            Command::Run(options) => run::run(&options).await,
-            Command::Roadmap(options) => roadmap::run(&options).await,
-            Command::Scheduler(options) => cluster::schedule(&options).await,
-            Command::Executor(options) => cluster::execute(&options).await,
-        }
-    })
 }

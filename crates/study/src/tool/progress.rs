@@ -5,15 +5,8 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use lin_canny_cli::output::progress;
 use lin_canny_study::{RunProgress, Study};
-
-pub(super) fn bar(what: &'static str, length: u64) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
-    match ProgressStyle::with_template("{prefix} {wide_bar} {human_pos}/{human_len} {per_sec} {eta}") {
-        Ok(style) => bar.with_style(style).with_prefix(what),
-        Err(_) => bar,
-    }
-}
 
 /// Returns a spinner for work of unknown length.
 pub(super) fn wait(what: &'static str) -> ProgressBar {
@@ -31,10 +24,10 @@ const TICK: Duration = Duration::from_millis(200);
 pub(super) async fn shown<T>(
     what: &'static str,
     study: &Arc<Study>,
-    progress: &RunProgress,
+    counts: &RunProgress,
     run: impl Future<Output = T>,
 ) -> T {
-    let (bar, before) = (bar(what, 0), study.rows());
+    let (bar, before) = (progress(what, 0), study.rows());
     let mut run = std::pin::pin!(run);
     let mut tick = tokio::time::interval(TICK);
     loop {
@@ -44,8 +37,8 @@ pub(super) async fn shown<T>(
                 return ended;
             }
             _ = tick.tick() => {
-                bar.set_length(progress.total.load(Ordering::Relaxed));
-                let known = progress.known.load(Ordering::Relaxed);
+                bar.set_length(counts.total.load(Ordering::Relaxed));
+                let known = counts.known.load(Ordering::Relaxed);
                 bar.set_position(known + study.rows() - before);
             }
         }

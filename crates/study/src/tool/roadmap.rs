@@ -4,8 +4,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
+use datafusion::arrow::array::RecordBatch;
+use datafusion::arrow::compute::concat_batches;
+use lin_canny_study::sampled::Sampler;
 use lin_canny_study::{
-    Format, Input, Run, RunOptions, RunProgress, Study, StudyError, TABLE, configuration_of, engine, roadmap, sampled,
+    Format, Input, Run, RunOptions, RunProgress, Study, StudyError, TABLE, configuration_of, engine, roadmap,
 };
 
 use super::options::{StudyArguments, WhereArguments};
@@ -34,9 +37,7 @@ pub(super) async fn run(options: &RoadmapOptions) -> Result<(), StudyError> {
     let [samples, nodes, segments, edges] = ["samples", "nodes", "segments", "edges"].map(|f| options.out.join(f));
     std::fs::create_dir_all(&options.out).map_err(StudyError::io(&options.out))?;
 
-    let rows = sampled::Source::Halton
-        .begin(study.coordinates())
-        .rows(0..options.samples)?;
+    let rows = Sampler::halton(study.coordinates()).rows(0..options.samples)?;
     written(&samples, &rows)?;
     let names: Vec<_> = study.coordinates().iter().map(|c| c.name.as_str()).collect();
     let query = format!(
@@ -55,25 +56,17 @@ pub(super) async fn run(options: &RoadmapOptions) -> Result<(), StudyError> {
 
     let counts = table(&study, &edges, &format!("SELECT * FROM {TABLE} WHERE verdict = 'free'")).await?;
     let found = roadmap::components(&free, &counts)?;
-    say!(
-        "{} of {} configurations are free nodes; {} of {} segments are proven free; {} component(s), the largest of {} nodes",
-        free.num_rows(),
-        options.samples,
-        counts.num_rows(),
-        rows.num_rows(),
-        found.count,
-        found.largest
-    );
-    say!(
-        "nodes: {} (column free); edges: {} (column verdict)",
-        nodes.display(),
-        edges.display()
-    );
+    let (free, samples) = (free.num_rows(), options.samples);
+    let (proven, segments) = (counts.num_rows(), rows.num_rows());
+    say!("{free} of {samples} configurations are free nodes; {proven} of {segments} segments are proven free");
+    say!("{} component(s), the largest of {} nodes", found.count, found.largest);
+    let [nodes, edges] = [nodes.display(), edges.display()];
+    say!("nodes: {nodes} (column free); edges: {edges} (column verdict)");
     Ok(())
 }
 
 /// Writes rows to a file of a folder, unless the file exists.
-fn written(folder: &Path, rows: &datafusion::arrow::array::RecordBatch) -> Result<(), StudyError> {
+fn written(folder: &Path, rows: &RecordBatch) -> Result<(), StudyError> {
     std::fs::create_dir_all(folder).map_err(StudyError::io(folder))?;
     let file = folder.join("rows.parquet");
     if file.exists() {
@@ -103,17 +96,10 @@ async fn answered(
 }
 
 /// Returns the rows of a query over the files of a folder.
-async fn table(
-    study: &Arc<Study>,
-    folder: &Path,
-    query: &str,
-) -> Result<datafusion::arrow::array::RecordBatch, StudyError> {
+async fn table(study: &Arc<Study>, folder: &Path, query: &str) -> Result<RecordBatch, StudyError> {
     let context = engine::local(study, 1);
     Input::new(folder)?.register(&context).await?;
     let frame = context.sql(query).await?;
     let schema = Arc::clone(frame.schema().inner());
-    Ok(datafusion::arrow::compute::concat_batches(
-        &schema,
-        &frame.collect().await?,
-    )?)
+    Ok(concat_batches(&schema, &frame.collect().await?)?)
 }

@@ -30,7 +30,7 @@ pub(super) struct RunArguments {
     #[arg(long, value_name = "COLUMNS", conflicts_with = "sql")]
     select: Option<String>,
     /// Your own query over the table `configs`, with the functions clearance, is_free, certify,
-    /// certify_curve, separation, signed_distance, prove_pair and configuration_error; it writes one
+    /// certify_curve, receipt, separation, signed_distance, prove_pair and configuration_error; it writes one
     /// file
     #[arg(long, value_name = "QUERY")]
     sql: Option<String>,
@@ -85,13 +85,9 @@ async fn rows(study: &Arc<Study>, input: &Input, arguments: &RunArguments) -> Re
     };
     let progress = RunProgress::default();
     let done = shown("rows", study, &progress, run.go(&progress)).await?;
-    say!(
-        "{} rows in {} part(s), {} kept from before{faults}; {:.1} s",
-        done.rows,
-        done.parts,
-        done.kept,
-        began.elapsed().as_secs_f64()
-    );
+    let (rows, seconds) = (done.rows, began.elapsed().as_secs_f64());
+    let (parts, kept) = (done.parts, done.kept);
+    say!("{rows} rows in {parts} part(s), {kept} kept from before{faults}; {seconds:.1} s");
     Ok(())
 }
 
@@ -124,10 +120,7 @@ async fn whole(study: &Arc<Study>, input: &Input, query: &str, arguments: &RunAr
     let file = arguments.out.join(format!("result.{}", format.extension()));
     format.write(&schema, &batches, &file)?;
     let rows: usize = batches.iter().map(|b| b.num_rows()).sum();
-    say!(
-        "{rows} row(s) in {}; {:.1} s",
-        file.display(),
-        began.elapsed().as_secs_f64()
-    );
+    let (file, seconds) = (file.display(), began.elapsed().as_secs_f64());
+    say!("{rows} row(s) in {file}; {seconds:.1} s");
     Ok(())
 }

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use lin_canny_study::{Format, StudyError, sampled};
+use lin_canny_cli::output::progress;
+use lin_canny_study::sampled::Sampler;
+use lin_canny_study::{Format, StudyError};
 
 use super::options::StudyArguments;
-use super::progress::bar;
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Method {
@@ -44,12 +45,11 @@ pub(super) fn run(options: &SampleOptions) -> Result<(), StudyError> {
     let study = options.study.load()?;
     std::fs::create_dir(&options.out).map_err(StudyError::io(&options.out))?;
     let format = options.format;
-    let source = match options.method {
-        Method::Halton => sampled::Source::Halton,
-        Method::Random => sampled::Source::Random { seed: options.seed },
+    let mut source = match options.method {
+        Method::Halton => Sampler::halton(study.coordinates()),
+        Method::Random => Sampler::random(study.coordinates(), options.seed),
     };
-    let mut source = source.begin(study.coordinates());
-    let bar = bar("rows", options.rows);
+    let bar = progress("rows", options.rows);
     let (mut first, mut files) = (0, 0);
     while first < options.rows {
         let end = (first + options.rows_per_file.max(1)).min(options.rows);
@@ -60,11 +60,7 @@ pub(super) fn run(options: &SampleOptions) -> Result<(), StudyError> {
         (first, files) = (end, files + 1);
     }
     bar.finish_and_clear();
-    say!(
-        "{} configurations of {} joints in {files} file(s) of {}",
-        options.rows,
-        study.coordinates().len(),
-        options.out.display()
-    );
+    let (rows, joints, folder) = (options.rows, study.coordinates().len(), options.out.display());
+    say!("{rows} configurations of {joints} joints in {files} file(s) of {folder}");
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use datafusion::arrow::array::{RecordBatch, UInt64Array};
 use datafusion::arrow::compute::take_record_batch;
-use lin_canny_study::sampled::Source;
+use lin_canny_study::sampled::Sampler;
 use lin_canny_study::{Format, Input, Run, RunOptions, RunProgress, StudyOptions, engine};
 
 use crate::{block_on, scratch, study, values};
@@ -50,10 +50,7 @@ fn run(folder: &Path, rows: &RecordBatch, partitions: usize, block: usize, forma
 
 fn rows() -> RecordBatch {
     let study = study(StudyOptions::default());
-    Source::Random { seed: 3 }
-        .begin(study.coordinates())
-        .rows(0..ROWS)
-        .expect("rows")
+    Sampler::random(study.coordinates(), 3).rows(0..ROWS).expect("rows")
 }
 
 #[test]

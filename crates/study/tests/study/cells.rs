@@ -13,7 +13,7 @@ use crate::{block_on, example, said, scratch, tool, values};
 
 /// The robot of the examples alone: few pairs.
 fn robot() -> Arc<Study> {
-    Study::load(&RobotFiles::new(example("six_axis.urdf")), StudyOptions::default()).expect("the example")
+    crate::load(&RobotFiles::new(example("six_axis.urdf")), StudyOptions::default()).expect("the example")
 }
 
 /// The answer to a query over cells.

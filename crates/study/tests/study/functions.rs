@@ -6,18 +6,18 @@ use datafusion::arrow::array::{ArrayRef, Int64Array, RecordBatch, StructArray};
 use datafusion::arrow::buffer::NullBuffer;
 use datafusion::arrow::datatypes::{DataType, Field};
 use lin_canny_plan::receipt::Receipt;
-use lin_canny_plan::{Checker, JointMotion, Verdict};
+use lin_canny_plan::{Cell, Checker, JointMotion, PlanError, Verdict};
 use lin_canny_study::robot::{CellFile, RobotFiles};
-use lin_canny_study::sampled::Source;
+use lin_canny_study::sampled::Sampler;
 use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
 
-use crate::{block_on, files, study, values};
+use crate::{block_on, example, files, study, values};
 
 const JOINTS: &str = "turn, lift, elbow, roll, bend, twist";
 
 /// The answer to a query over the first rows of a sample.
 fn asked(study: &Arc<Study>, rows: u64, query: &str) -> Result<Vec<RecordBatch>, StudyError> {
-    let rows = Source::Halton.begin(study.coordinates()).rows(0..rows)?;
+    let rows = Sampler::halton(study.coordinates()).rows(0..rows)?;
     block_on(async {
         let context = engine::local(study, 2);
         context.register_batch("configs", rows)?;
@@ -94,7 +94,7 @@ fn an_attached_object_a_padding_and_an_excluded_pair_are_those_of_the_checker() 
     files.attached.push(("gripper".into(), part));
     files.paddings.push(("rod".into(), 0.05));
     files.excluded.push(["rod".into(), "table".into()]);
-    let study = Study::load(&files, StudyOptions::default().margin(0.01)).expect("the example");
+    let study = crate::load(&files, StudyOptions::default().margin(0.01)).expect("the example");
     let query = format!("SELECT {JOINTS}, is_free({JOINTS}), clearance({JOINTS}) AS c FROM configs");
     let (mut rods, mut kept) = (0, 0);
     for row in values(&asked(&study, 400, &query).expect("rows")) {
@@ -115,7 +115,7 @@ fn an_attached_object_a_padding_and_an_excluded_pair_are_those_of_the_checker() 
     }
     assert!(rods > 50 && kept > 5, "{rods} {kept}");
     files.paddings.push(("hnad".into(), 0.05));
-    let error = Study::load(&files, StudyOptions::default()).err().expect("an error");
+    let error = crate::load(&files, StudyOptions::default()).err().expect("an error");
     assert!(error.to_string().contains("hnad"), "{error}");
 }
 
@@ -129,7 +129,7 @@ fn a_saved_world_is_the_same_study() {
     CellFile::from_cell(checker.cell()).save(&file).expect("a file");
     let mut saved = files();
     saved.cell = Some(file);
-    let of = |options| Study::load(&saved, options).expect("the saved cell");
+    let of = |options| crate::load(&saved, options).expect("the saved cell");
     let found = of(StudyOptions::default());
     let again = found
         .with_checker(|c| (c.cell().margin(), c.cell().clone()))
@@ -162,7 +162,7 @@ fn a_lift_from_a_contact_is_certified_with_a_margin() {
     files.cell = Some(folder.join("cell.json"));
     let ask = |margin: Option<f64>| {
         let options = StudyOptions::default().start_contact_margin(margin);
-        let study = Study::load(&files, options).expect("the lift");
+        let study = crate::load(&files, options).expect("the lift");
         let query = "SELECT certify(0.0, z) AS c FROM (VALUES (0.5), (-0.5)) AS t(z)";
         let rows = block_on(async {
             let answers = engine::local(&study, 1).sql(query).await?.collect().await?;
@@ -179,7 +179,7 @@ fn a_lift_from_a_contact_is_certified_with_a_margin() {
     assert_eq!(lifted, [["free".to_owned(), "part and table".to_owned()], blocked]);
     assert_ne!(first, second);
     let options = StudyOptions::default().start_contact_margin(Some(-1.0));
-    let error = Study::load(&files, options).err().expect("an error");
+    let error = crate::load(&files, options).err().expect("an error");
     assert!(error.to_string().contains("start contact margin"), "{error}");
 }
 
@@ -328,6 +328,32 @@ fn bad_rows_are_named() {
 }
 
 #[test]
+fn fingerprints_cover_what_pairs_must_keep() {
+    let cell = RobotFiles::new(example("six_axis.urdf"))
+        .load()
+        .expect("the example")
+        .cell;
+    let of = |change: &dyn Fn(&mut Cell) -> Result<(), PlanError>| {
+        let mut cell = cell.clone();
+        change(&mut cell).expect("a change");
+        let study = Study::new(cell, StudyOptions::default()).expect("a study");
+        study.fingerprint().to_owned()
+    };
+    let all = [
+        of(&|_| Ok(())),
+        of(&|c| c.set_pair_margin("base", "gripper", Some(0.01)).map(|_| ())),
+        of(&|c| c.set_pair_margin("base", "gripper", Some(0.0)).map(|_| ())),
+        of(&|c| c.set_pair_margin("base", "forearm", Some(0.01)).map(|_| ())),
+        of(&|c| c.pad("gripper", 0.01).map(|_| ())),
+        of(&|c| c.exclude("base", "gripper").map(|_| ())),
+        of(&|c| c.set_margin(0.01)),
+    ];
+    let different: std::collections::BTreeSet<_> = all.iter().collect();
+    assert_eq!(different.len(), all.len(), "{all:?}");
+    assert_eq!(all[0], of(&|c| c.pad("gripper", 0.0).map(|_| ())));
+}
+
+#[test]
 fn fingerprints_tell_studies_apart() {
     let names = [0.0, 0.01].map(|margin| {
         let options = StudyOptions::default().margin(margin);
@@ -337,7 +363,7 @@ fn fingerprints_tell_studies_apart() {
     assert_eq!(names[0], study(StudyOptions::default()).fingerprint());
     let mut without = crate::files();
     without.srdf = None;
-    let other = Study::load(&without, StudyOptions::default()).expect("the example");
+    let other = crate::load(&without, StudyOptions::default()).expect("the example");
     assert_ne!(names[0], other.fingerprint());
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use datafusion::arrow::array::{ArrayRef, AsArray, Int64Array, RecordBatch};
 use datafusion::arrow::datatypes::{Float64Type, Int64Type};
-use lin_canny_study::sampled::Source;
+use lin_canny_study::sampled::Sampler;
 use lin_canny_study::{StudyOptions, roadmap};
 
 use crate::study;
@@ -13,10 +13,7 @@ use crate::study;
 fn segments_join_nearest_nodes() {
     let study = study(StudyOptions::default());
     let coordinates = study.coordinates();
-    let nodes = Source::Random { seed: 9 }
-        .begin(coordinates)
-        .rows(0..60)
-        .expect("nodes");
+    let nodes = Sampler::random(coordinates, 9).rows(0..60).expect("nodes");
     let rows = roadmap::candidates(coordinates, &nodes, 4).expect("segments");
     let end = |k: usize| rows.column(k).as_primitive::<Int64Type>().values().to_vec();
     let pairs: Vec<_> = end(0).into_iter().zip(end(1)).collect();

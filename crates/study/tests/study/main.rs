@@ -17,7 +17,7 @@ use std::sync::Arc;
 use datafusion::arrow::array::{AsArray, RecordBatch};
 use datafusion::arrow::datatypes::{DataType, Float64Type};
 use lin_canny_study::robot::RobotFiles;
-use lin_canny_study::{Study, StudyOptions};
+use lin_canny_study::{Study, StudyError, StudyOptions};
 
 /// The robot and the cell of the examples.
 fn example(name: &str) -> String {
@@ -34,8 +34,12 @@ fn files() -> RobotFiles {
     files
 }
 
+fn load(files: &RobotFiles, options: StudyOptions) -> Result<Arc<Study>, StudyError> {
+    Study::new(files.load()?.cell, options)
+}
+
 fn study(options: StudyOptions) -> Arc<Study> {
-    Study::load(&files(), options).expect("the example")
+    load(&files(), options).expect("the example")
 }
 
 /// A new folder of this test run.
@@ -48,13 +52,8 @@ fn scratch(name: &str) -> PathBuf {
 
 /// Arguments of the robot and the cell for the tool.
 fn robot() -> Vec<String> {
-    let of = |option: &str, file: &str| [option.to_owned(), example(file)];
-    [
-        of("--robot", "six_axis.urdf"),
-        of("--cell", "six_axis_cell.json"),
-        of("--srdf", "six_axis.srdf"),
-    ]
-    .concat()
+    let [robot, cell, srdf] = ["six_axis.urdf", "six_axis_cell.json", "six_axis.srdf"].map(example);
+    [robot, "--cell".into(), cell, "--srdf".into(), srdf].into()
 }
 
 fn tool(command: &str) -> Command {

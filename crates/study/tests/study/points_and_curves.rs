@@ -7,7 +7,7 @@ use lin_canny::PointQuery;
 use lin_canny::nalgebra::Point3;
 use lin_canny_plan::{Checker, JointCurve, JointMotion, Verdict};
 use lin_canny_study::robot::RobotFiles;
-use lin_canny_study::sampled::Source;
+use lin_canny_study::sampled::Sampler;
 use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
 
 use crate::{block_on, scratch, study, values};
@@ -61,8 +61,8 @@ fn cell() -> RobotFiles {
 
 #[test]
 fn signed_distances_are_those_of_the_library() {
-    let study = Study::load(&cell(), StudyOptions::default()).expect("the cell");
-    let rows = |count| Source::Halton.begin(study.coordinates()).rows(0..count).expect("rows");
+    let study = crate::load(&cell(), StudyOptions::default()).expect("the cell");
+    let rows = |count| Sampler::halton(study.coordinates()).rows(0..count).expect("rows");
     let bodies = ["part", "hull", "scan", "ball", "ground", "gripper"];
     let cases: Vec<String> = bodies
         .iter()
@@ -123,9 +123,9 @@ fn signed_distances_are_those_of_the_library() {
 
 #[test]
 fn wrong_points_are_named() {
-    let study = Study::load(&cell(), StudyOptions::default()).expect("the cell");
-    let lenient = Study::load(&cell(), StudyOptions::default().lenient(true)).expect("the cell");
-    let rows = || Source::Halton.begin(study.coordinates()).rows(0..4).expect("rows");
+    let study = crate::load(&cell(), StudyOptions::default()).expect("the cell");
+    let lenient = crate::load(&cell(), StudyOptions::default().lenient(true)).expect("the cell");
+    let rows = || Sampler::halton(study.coordinates()).rows(0..4).expect("rows");
     let with = |x: &str| format!("CASE WHEN id = 2 THEN {x} ELSE lift END");
     for (body, x, parts) in [
         (
@@ -180,7 +180,7 @@ fn wrong_points_are_named() {
 
 /// Control points of curves about configurations of a sample: `p0` to `p3`, and all as one list.
 fn curves(study: &Arc<Study>, count: u64) -> (RecordBatch, Vec<Vec<Vec<f64>>>) {
-    let rows = Source::Halton.begin(study.coordinates()).rows(0..count).expect("rows");
+    let rows = Sampler::halton(study.coordinates()).rows(0..count).expect("rows");
     let names: Vec<String> = JOINTS.iter().map(|j| j.to_string()).collect();
     let at = values(&[rows
         .project(

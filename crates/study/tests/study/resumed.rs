@@ -1,7 +1,7 @@
 //! A run that was stopped goes on; a folder of another run is refused.
 
 use lin_canny_study::StudyOptions;
-use lin_canny_study::sampled::Source;
+use lin_canny_study::sampled::Sampler;
 use lin_canny_study::{Format, Input, Run, RunOptions, RunProgress, RunSummary, StudyError};
 
 use crate::{block_on, scratch, study};
@@ -17,7 +17,7 @@ impl Place {
     fn new(name: &str) -> Self {
         let place = Self { folder: scratch(name) };
         let study = study(StudyOptions::default());
-        let mut sampler = Source::Halton.begin(study.coordinates());
+        let mut sampler = Sampler::halton(study.coordinates());
         for k in 0..3 {
             let rows = sampler.rows(700 * k..700 * (k + 1)).expect("rows");
             place.write(k, &rows);
@@ -84,7 +84,7 @@ fn another_run_is_refused() {
     refused(0.0, "SELECT * FROM configs", 700, "another query");
     refused(0.0, QUERY, 600, "parts of another size");
     let study = study(StudyOptions::default());
-    place.write(3, &Source::Halton.begin(study.coordinates()).rows(0..10).expect("rows"));
+    place.write(3, &Sampler::halton(study.coordinates()).rows(0..10).expect("rows"));
     refused(0.0, QUERY, 700, "another input");
     std::fs::remove_file(place.folder.join("out/_study.json")).expect("a manifest");
     refused(0.0, QUERY, 700, "not empty");

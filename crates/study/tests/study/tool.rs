@@ -78,6 +78,7 @@ fn options_of_the_scene_change_the_study() {
         ["--pad", "gripper=0.01"],
         ["--exclude", "gripper,table"],
         ["--start-contact", "0.001"],
+        ["--limit-slack", "0.1"],
     ] {
         let (code, text) = said(tool("run").args(run).args(scene));
         assert!(
@@ -92,11 +93,13 @@ fn options_of_the_scene_change_the_study() {
         (["--attach", "gripper"], "LINK=FILE.json"),
         (["--attach", "gripper=none.json"], "none.json"),
         (["--pad", "gripper"], "NAME=LENGTH"),
-        (["--pad", "gripper=-1"], "padding is out of range: -1"),
+        (["--pad", "gripper=-1"], "expected a finite number, at least 0"),
+        (["--margin", "-1"], "expected a finite number, at least 0"),
+        (["--limit-slack", "nan"], "expected a finite number, at least 0"),
         (["--pad", "hnad=1"], "hnad"),
         (["--exclude", "gripper"], "two names"),
         (["--exclude", "gripper,tabel"], "tabel"),
-        (["--start-contact", "nan"], "start contact margin is out of range"),
+        (["--start-contact", "nan"], "expected a finite number, at least 0"),
     ] {
         let (code, text) = said(tool("run").args(run).args(wrong));
         assert!(code != 0 && text.contains(word), "{wrong:?}: {code} {text}");
