@@ -48,25 +48,13 @@
 //! | How large is the clearance along a motion? | [`Checker::clearance_along`] | a proven lower bound, and a distance that is attained |
 //! | Is a configuration free? | [`Checker::is_free_at`] | `true` or `false`, without distances |
 //! | How large is the clearance at a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witness points, gradient |
-//! | And at many configurations? | [`Checker::nearest_batch`] | the same as arrays; see the chapter [`gradients`] |
+//! | And at many configurations? | [`Checker::nearest_batch`] | the same as arrays; see the chapter [`gradients`](guide::gradients) |
 //! | Can two bodies meet at any configuration of a range? | [`RangeProver`] | [`RangeVerdict`]: never, always, both, or open |
 //! | Which pairs are in contact? | [`Checker::in_contact`] | pairs |
+//! | How does the cell change between queries? | [`Checker::cell_mut`] | the [`Cell`]; see the chapter [`cells`](guide::cells) |
+//! | Which path leads from a start to a goal? | [`RrtConnect`], [`Opportunistic`], [`PlanMethod`] | [`Plan`] with a path of segments that are proven free; [`Shortcuts`] shortens it |
 //!
-//! # A cell that changes
-//!
-//! A cell is changed before its checker is made, or in the checker by [`Checker::cell_mut`].
-//!
-//! | change | function |
-//! |---|---|
-//! | robots of files, before the checker is made | [`Cell::add_robot`], [`exclude_adjacent`](Cell::exclude_adjacent), [`Checker::of_robots`] |
-//! | obstacles | [`Cell::add_obstacle`], [`move_obstacle`](Cell::move_obstacle), [`replace_obstacle`](Cell::replace_obstacle), [`remove_obstacle`](Cell::remove_obstacle) |
-//! | obstacles that move, and the time of configurations | [`Cell::add_moving_obstacle`], [`Checker::set_time`] |
-//! | objects that a link carries | [`Cell::attach`], [`detach`](Cell::detach), [`Checker::detach_at`] |
-//! | what pairs must keep | [`Cell::set_margin`], [`pad`](Cell::pad), [`set_pair_margin`](Cell::set_pair_margin) |
-//! | pairs that may touch | [`Cell::exclude`], [`include`](Cell::include), [`excluded`](Cell::excluded) |
-//!
-//! A change costs no more than the pairs of the changed body, and all other trackers stay warm. A
-//! name is that of one obstacle or attached object, or of all bodies of a link. Ids are never used again.
+//! Each chapter of the [`guide`] has a whole program for one task, and its limits.
 //!
 //! # How a segment is checked
 //!
@@ -106,19 +94,11 @@
 //!
 //! # The search for a path
 //!
-//! Two planners search with a checker; [`PlanMethod`] names them.
-//!
-//! | | [`RrtConnect`] | [`Opportunistic`] |
-//! |---|---|---|
-//! | roadmap | a tree from the start and one from the goal | freeways of largest clearance, and links |
-//! | needs | predicates and proofs of segments | distances and gradients as well |
-//! | best at | arms in cells; shorter paths | narrow passages into which the clearance leads |
+//! Two planners search with a checker: the chapter [`paths`](guide::paths) compares them.
 //!
 //! Every edge of the roadmap is proven free, and a path is certified again in its direction. Both
 //! planners are *probabilistically complete*: the probability of missing a path whose clearance
 //! exceeds the margin tends to zero as the search goes on. Neither proves that there is no path.
-//! The budgets are counts ([`PlanOptions`]), or the caller stops the search by a clock
-//! ([`RrtConnect::progress`]). The same seed gives the same result, bit for bit.
 //!
 //! ## RRT-Connect
 //!
@@ -155,16 +135,9 @@
 //!
 //! # When not to use it
 //!
-//! * The spaces are geometric. For dynamics or closed chains use another planner. Curves are proven
-//!   among moving obstacles, but the search of a path has no clock.
-//! * Six free axes in tight clutter take seconds. With the opportunistic planner, an arm
-//!   through a window of 0.5 m height takes at most 0.5 s over 20 seeds, through 0.35 m at most
-//!   4.1 s. A plank 0.2 thick through a hole of 0.3 takes at most 0.7 s (`crates/plan/tests`,
-//!   ignored tests).
-//! * A planner with a tuned sampler and fixed steps may be faster, but may miss a collision.
-//!
-//! To use another sampling planner, call [`Checker::is_free_at`] for its configurations and
-//! [`is_free`](Checker::is_free) for its motions.
+//! The spaces are geometric. For dynamics or closed chains use another planner. Curves are proven
+//! among moving obstacles, but the search of a path has no clock. Each chapter of the [`guide`]
+//! lists the limits of its task.
 //!
 //! # Sources
 //!
@@ -225,8 +198,21 @@ pub use search::roadmap::{Edge, EdgeKind, Freeway, Roadmap};
 pub use search::shorten::{Path, Shortcuts, widen};
 pub use search::smooth::{SmoothOptions, SmoothPath, Smoother};
 
-#[doc = include_str!("../docs/gradients.md")]
-pub mod gradients {}
+/// One chapter for each task, with a whole program that is run as a test.
+pub mod guide {
+    #[doc = include_str!("../docs/cells.md")]
+    pub mod cells {}
+    #[doc = include_str!("../docs/paths.md")]
+    pub mod paths {}
+    #[doc = include_str!("../docs/ranges.md")]
+    pub mod ranges {}
+    #[doc = include_str!("../docs/curves.md")]
+    pub mod curves {}
+    #[doc = include_str!("../docs/receipts.md")]
+    pub mod receipts {}
+    #[doc = include_str!("../docs/gradients.md")]
+    pub mod gradients {}
+}
 
 /// Runs the README as a test.
 #[doc = include_str!("../README.md")]
