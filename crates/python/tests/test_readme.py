@@ -1,4 +1,4 @@
-"""The lines of the README run as in a notebook, and what they print and return is as recorded in readme.txt.
+"""The lines of the README and its chapters run as in a notebook; what they print and return is recorded in readme.txt.
 
 LIN_CANNY_RECORD=1 records it again."""
 
@@ -13,7 +13,8 @@ import pytest
 import lin_canny as lc
 
 HERE = Path(__file__).parent
-README = (HERE.parent / "README.md").read_text()
+README = HERE.parent / "README.md"
+PAGES = [README, *sorted((HERE.parent / "docs").glob("*.md"))]
 ARM = HERE.parents[1] / "robot" / "examples"
 
 URDF = """<robot name="two joints"><link name="rail"/>
@@ -56,7 +57,7 @@ def run(block, names, out):
 
 
 def setting(folder):
-    """The names that the README leaves to its reader: a robot of two joints beside a post and a tray."""
+    """The names that the chapters leave to their reader: a robot of two joints beside a post and a tray."""
     (folder / "two.urdf").write_text(URDF)
     (folder / "cell.json").write_text(CELL)
     (folder / "motion.json").write_text(MOTION)
@@ -77,26 +78,42 @@ def setting(folder):
     }  # fmt: skip
 
 
+def lines_of(page):
+    """The fenced blocks of a page, and the indented ones about robots that run without a notebook or a shell."""
+    text = page.read_text()
+    fenced = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    blocks = re.findall(r"(?:^    .*\n|^\n(?=    ))+", text, re.MULTILINE)
+    blocks = [re.sub("^    ", "", block, flags=re.MULTILINE) for block in blocks]
+    blocks = [block for block in blocks if re.search(r"\b(checker|robot|lc\.JointCurve)\b", block)]
+    return fenced, [block for block in blocks if not re.search("show|record|cargo|pip|import", block)]
+
+
 @pytest.mark.skipif(not ARM.is_dir(), reason="robot/examples of the repository is not at hand")
 def test_the_lines_of_the_readme(tmp_path, monkeypatch, capsys):
     out = []
-    names: dict[str, object] = {}
+    example, [arm] = lines_of(README)
     with np.printoptions(precision=6, suppress=True, threshold=40):
-        for block in re.findall(r"```python\n(.*?)```", README, re.DOTALL):
-            exec(compile(block, "README.md", "exec"), names)
-            out.append(capsys.readouterr().out.rstrip())
-        monkeypatch.chdir(ARM)
-        blocks = re.findall(r"(?:^    .*\n|^\n(?=    ))+", README, re.MULTILINE)
-        blocks = [re.sub("^    ", "", block, flags=re.MULTILINE) for block in blocks]
-        blocks = [block for block in blocks if re.search(r"\b(checker|robot|lc\.JointCurve)\b", block)]
-        [arm, *blocks] = [block for block in blocks if not re.search("show|record|cargo|pip|import", block)]
-        run(arm, {"lc": lc, "np": np}, out)
-        monkeypatch.chdir(tmp_path)
-        names = {}
-        for block in blocks:
-            names |= setting(tmp_path)
-            names["q"] = names["configurations"][slice(None) if "_batch(q" in block else 0]
-            run(block, names, out)
+        for page in PAGES:
+            out.append(f"== {page.relative_to(HERE.parent).as_posix()}")
+            fenced, blocks = lines_of(page)
+            # A chapter continues the example of the README, or has robots that are loaded already.
+            names: dict[str, object] = {}
+            for block in [] if page == README else example:
+                exec(compile(block, "README.md", "exec"), names)
+            capsys.readouterr()
+            for block in fenced:
+                exec(compile(block, page.name, "exec"), names)
+                out.append(capsys.readouterr().out.rstrip())
+            if page == README:
+                monkeypatch.chdir(ARM)
+                run(arm, {"lc": lc, "np": np}, out)
+                continue
+            monkeypatch.chdir(tmp_path)
+            names = {}
+            for block in blocks:
+                names |= setting(tmp_path)
+                names["q"] = names["configurations"][slice(None) if "_batch(q" in block else 0]
+                run(block, names, out)
     text, file = "\n".join(out) + "\n", HERE / "readme.txt"
     if os.environ.get("LIN_CANNY_RECORD"):
         file.write_text(text)
