@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Checks a receipt: python3 verify.py RECEIPT [SCENE]
 
-A receipt is a proof in a file that bodies stay apart, meet, or have a distance. Its format and the lemmas
-are in crates/verify/README.md. This program shares no code with the checker in Rust. It uses integers and fractions
-only: no floating point but to print numbers, and no search.
+A receipt is a proof in a file that bodies stay apart, meet, or have a distance. Its format is in
+crates/verify/docs/format.md, the lemmas are in proof.md there. This program shares no code with the checker in Rust.
+It uses integers and fractions only: no floating point but to print numbers, and no search.
 
 With SCENE, another receipt, the evidence is evaluated on the bodies and motions of SCENE.
 

@@ -1,3 +1,6 @@
+//! [The format]: mod@format
+//! [The lemmas]: mod@proof
+//!
 #![doc = include_str!("../README.md")]
 
 mod balls;
@@ -32,6 +35,12 @@ mod sha256;
 mod taylor;
 mod turn;
 mod vectors;
+
+#[doc = include_str!("../docs/format.md")]
+pub mod format {}
+
+#[doc = include_str!("../docs/proof.md")]
+pub mod proof {}
 
 use std::io::BufRead;
 

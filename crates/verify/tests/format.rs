@@ -291,9 +291,9 @@ fn nothing_panics() {
 }
 
 #[test]
-fn the_example_of_the_readme_holds() {
-    let readme = include_str!("../README.md");
-    let text = readme.split("```json\n").nth(1).unwrap().split("```").next().unwrap();
+fn the_example_of_the_chapter_holds() {
+    let chapter = include_str!("../docs/format.md");
+    let text = chapter.split("```json\n").nth(1).unwrap().split("```").next().unwrap();
     let said = verify(text.as_bytes()).unwrap().to_string();
     assert!(
         said.contains("proven: 1 pair of bodies stays more than 0.0625 apart"),
