@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Checks a receipt: python3 verify.py RECEIPT [SCENE]
+"""Checks a receipt: python3 verify.py [--all] RECEIPT [SCENE]
 
 A receipt is a proof in a file that bodies stay apart, meet, or have a distance. Its format is in
 crates/verify/docs/format.md, the lemmas are in proof.md there. This program shares no code with the checker in Rust.
 It uses integers and fractions only: no floating point but to print numbers, and no search.
 
-With SCENE, another receipt, the evidence is evaluated on the bodies and motions of SCENE.
+With SCENE, another receipt, the evidence is evaluated on the bodies and motions of SCENE. With --all, the answer names every
+pair.
 
 Exit codes: 0 the receipt holds, 1 it does not (the first line that fails is printed), 3 it cannot be read.
 """
@@ -14,6 +15,7 @@ import json
 import re
 import sys
 from bisect import bisect
+from decimal import Decimal
 from fractions import Fraction as Q
 from math import comb, isqrt, lcm
 
@@ -159,6 +161,12 @@ def at_most(x, y, square):
 def root_above(q):
     """A number no less than the square root of a fraction, and little more."""
     return Q(isqrt((q.numerator << 2 * P) // q.denominator) + 1, ONE)
+
+
+def shown(q):
+    """A number as the checker in Rust prints it: the nearest double, without an exponent."""
+    digits = format(Decimal(repr(float(q))), "f")
+    return digits[:-2] if digits.endswith(".0") else digits
 
 
 # Functions of time over an interval (lemmas 0 and 1).
@@ -394,7 +402,9 @@ def length(v):
 
 class Body:
     def __init__(self, line, scene):
-        only(line, "body", "name", "points", "parts", "faces", "radius", "at", "link", "steady")
+        self.half = half_space(line["half"]) if "half" in line else None
+        flat = ("half",) if self.half else ("points", "parts", "faces", "discs", "radius", "steady")
+        only(line, "body", "name", "at", "link", *flat)
         count = len(scene.bodies)
         need(count < 4096 and whole(line["body"]) == count, f"body {count} is expected")
         self.at = pose_of(line["at"]) if "at" in line else None
@@ -411,11 +421,14 @@ class Body:
             self.steady = {k: numbers(get(line["steady"], k), 3) for k in ("pivot", "linear", "angular", "push")}
             self.pivot, self.moves = self.steady["pivot"], True
         need(self.at, "a body moves in one way: at, link, link and at, or at and steady")
-        points = array(get(line, "points"))
-        need(0 < len(points) <= 65536, "number of points")
+        need(not (self.half and self.moves), "a half-space moves")
+        points = [["0x0p0"] * 3] if self.half else array(get(line, "points"))
+        need(0 < len(points) <= 1 << 18, "number of points")
         self.points, self.solid = [numbers(p, 3) for p in points], "faces" in line
         need(not (self.solid and "parts" in line), "a body has parts or faces, not both")
         self.parts = self.lists(line["faces" if self.solid else "parts"]) if self.solid or "parts" in line else []
+        self.discs = self.read_discs(line["discs"]) if "discs" in line else []
+        need(not (self.discs and self.parts), "a body has parts, faces or discs, not two of them")
         self.radius = number(line["radius"]) if "radius" in line else Q(0)
         need(self.radius >= 0, "a negative radius")
         self.name = text(get(line, "name"))
@@ -428,13 +441,22 @@ class Body:
             need(sane and all(whole(k) < len(self.points) for k in part), "a part, or a face that is no triangle")
         return value
 
+    def read_discs(self, value):
+        """The number of the centre, the axis and the radius of each disc."""
+        need(0 < len(array(value)) <= 1024, "a body has 1 to 1024 discs")
+        discs = [(whole(k), numbers(axis, 3), number(r)) for k, axis, r in (array(disc, 3) for disc in value)]
+        sane = all(k < len(self.points) and any(axis) and r >= 0 for k, axis, r in discs)
+        need(sane, "a disc of an unknown point, without an axis, or with a negative radius")
+        return discs
+
     def of_parts(self, ends):
         """The points of some parts; None stands for all points."""
         some = self.parts[ends[0] : ends[1]]
         return sorted({k for part in some for k in part}) if len(some) < len(self.parts) else None
 
     def lengths(self):
-        return [x for p in self.points for x in p] + self.at[1]
+        ends = [r for _, _, r in self.discs] + ([self.half[1]] if self.half else [])
+        return [x for p in self.points for x in p] + self.at[1] + ends
 
     def scaled(self, unit):
         """Points, ball and own steps in units of a power of two."""
@@ -443,11 +465,15 @@ class Body:
         self.inexact = max(x.r for p in all_ for x in p)
         self.most = [max(abs(p[k]) for p in self.fixed) + 1 for k in range(3)]
         squares = (sum((x - c) ** 2 for x, c in zip(p, self.pivot)) for p in self.points)
-        self.reach = root_above(max(squares) * unit * unit)
+        # A disc is in a ball of its radius about its centre.
+        wider = max((r for _, _, r in self.discs), default=Q(0)) * unit
+        self.reach = root_above(max(squares) * unit * unit) + wider
         ends = [(min(p[k] for p in self.points), max(p[k] for p in self.points)) for k in range(3)]
         middle = [(low + high) / 2 for low, high in ends]
         squares = (sum((x - c) ** 2 for x, c in zip(p, middle)) for p in self.points)
-        self.middle, self.round = fixed_all([x * unit for x in middle]), root_above(max(squares) * unit * unit)
+        self.middle = fixed_all([x * unit for x in middle])
+        self.round = root_above(max(squares) * unit * unit) + wider
+        self.round_ends = [Disc(k, axis, r * unit) for k, axis, r in self.discs]
         self.own = [Place(self.at, unit)]
         if self.steady:
             rows, shift = self.at
@@ -456,6 +482,35 @@ class Body:
             ways = [[(s + x) * unit, v * unit, g * unit / 2] for s, x, v, g in zip(shift, lever, linear, push)]
             spin = Turn(self.steady["angular"], [Q(0), Q(1)])
             self.own = [Shift(ways), spin, Place((rows, [-x for x in lever]), unit)]
+
+
+class Disc:
+    """A disc in units of a power of two (lemma 13)."""
+
+    def __init__(self, centre, axis, radius):
+        self.centre, self.axis = centre, fixed_all(axis)
+        self.slim = above(radius * root_above(1 / dot(axis, axis)))
+
+    def half_height(self, m):
+        """No half height along constants m is larger, in units of 2^-2P."""
+        return self.slim * length(cross(m, self.axis))
+
+    def half_heights(self, m):
+        """Bernstein coefficients no less than those of the half height along m, in units of 2^-2P / W."""
+        way = cross(m, self.axis)
+        square = dot(way, way)
+        net = [c + W * square.r for c in square.net()]
+        s = isqrt((max(0, *net) // W + 1) << P) + 1
+        squared = W * ((s * s >> P) + 1)
+        return [self.slim * (((c + squared) << P) // (2 * s) + 1) for c in net]
+
+
+def half_space(value):
+    """The normal and the end of a half-space."""
+    normal, end = array(value, 2)
+    normal, end = numbers(normal, 3), number(end)
+    need(any(normal), "a half-space without a normal")
+    return normal, end
 
 
 class Joint:
@@ -599,6 +654,12 @@ class Scene:
             all_ = [x * p[0] + y * p[1] + z * p[2] for p in points]
             low.append(min(all_) + (b << P) - off)
             high.append(max(all_) + (b << P) + off)
+        for disc in body.round_ends:
+            centre = body.fixed[disc.centre]
+            nets, halves = zip(*(part.net() for part in m)), disc.half_heights(m)
+            for k, (n_, b, half) in enumerate(zip(nets, o.net(), halves)):
+                at = dot(n_, centre) + (b << P)
+                low[k], high[k] = min(low[k], at - half - off), max(high[k], at + half + off)
         return low, high
 
     def placed(self, number_):
@@ -639,12 +700,45 @@ class Placed:
 # Claims. Each is one lemma.
 
 
-def by_plane(scene, pair, span, keep, normal, spin, some=(None, None)):
+def no_half_space(scene, pair):
+    need(not any(scene.bodies[k].half for k in pair), "a half-space has planes and cells as evidence alone")
+
+
+def floor_of(scene, pair, in_base):
+    """Which of a pair is a half-space, the normal from A to B, and its height along the normal (lemma 14), or None."""
+    sides = [side for side, k in enumerate(pair) if scene.bodies[k].half]
+    if not sides:
+        return None
+    prove(len(sides) == 1, f"{scene.names(pair)}: two half-spaces")
+    placed, (normal, end) = scene.placed(pair[sides[0]]), scene.bodies[pair[sides[0]]].half
+    rows, shift = placed.rows, placed.shift
+    if in_base and scene.base:
+        back, off = inverse(scene.base)
+        shift = [dot(row, shift) + s for row, s in zip(back, off)]
+        rows = [rows_times(row, rows) for row in back]
+    normal = [dot(row, normal) for row in rows]
+    height = end + dot(normal, shift)
+    return (0, normal, height) if sides[0] == 0 else (1, [-x for x in normal], -height)
+
+
+def floor_height(floor, unit):
+    """The height of a half-space, rounded away from it, in units of 2^-2P."""
+    side, _, height = floor
+    return above(height * unit) << P if side == 0 else -(above(-height * unit) << P)
+
+
+def by_plane(scene, pair, span, keep, normal, spin, some=(None, None), floor=None):
     """Lemma 3, for some vertices of both bodies or for all."""
     n = fixed_all(normal)
     if spin and span[0] != span[1]:
         n = Turn(spin, [Q(0), span[1] - span[0]]).point(n, (Q(0), Q(1)))
-    (_, high), (low, _) = (scene.heights(scene.bodies[k], only_, n, span) for k, only_ in zip(pair, some))
+
+    def heights(side):
+        if floor and floor[0] == side:
+            return [[floor_height(floor, scene.unit) * W] * (D + 1)] * 2
+        return scene.heights(scene.bodies[pair[side]], some[side], n, span)
+
+    (_, high), (low, _) = heights(0), heights(1)
     gap = min(y - x for x, y in zip(high, low))
     keep = (keep + sum(scene.bodies[k].radius for k in pair)) * scene.unit
     return gap > 0 and Q(gap, W << 2 * P) ** 2 > keep * keep * dot(normal, normal)
@@ -737,17 +831,27 @@ def over_cell(scene, link, body, some, cell, normal):
     slack = off(*rows[0]) + (rest << P)
     bends = [(m, o, off(m, o), above(half[c])) for c, (m, o) in slopes.items()]
     low = high = None
-    for p in body.fixed if some is None else [body.fixed[k] for k in some]:
-        loss = slack + sum(h * ((abs(height(p, m, o)) + e >> P) + 1) for m, o, e, h in bends)
+    points = [(p, None) for p in (body.fixed if some is None else [body.fixed[k] for k in some])]
+    for p, disc in points + [(body.fixed[disc.centre], disc) for disc in body.round_ends]:
+        # A point of a disc departs from the centre by half its height.
+        wider = disc.half_height if disc else lambda m: 0
+        bent = (h * ((abs(height(p, m, o)) + e + wider(m) >> P) + 1) for m, o, e, h in bends)
+        loss = slack + wider(rows[0][0]) + sum(bent)
         at = height(p, *rows[0])
         low = at - loss if low is None else min(low, at - loss)
         high = at + loss if high is None else max(high, at + loss)
     return low, high
 
 
-def in_cell(scene, pair, some, cell, link, normal, keep):
+def in_cell(scene, pair, some, cell, link, normal, keep, floor):
     """Lemma 9."""
-    (_, high), (low, _) = (over_cell(scene, link, k, on, cell, normal) for k, on in zip(pair, some))
+
+    def heights(side):
+        if floor and floor[0] == side:
+            return [floor_height(floor, scene.unit)] * 2
+        return over_cell(scene, link, pair[side], some[side], cell, normal)
+
+    (_, high), (low, _) = heights(0), heights(1)
     gap, keep = Q(low - high, ONE * ONE), (keep + sum(scene.bodies[k].radius for k in pair)) * scene.unit
     return gap > 0 and gap * gap > keep * keep * dot(normal, normal)
 
@@ -793,7 +897,7 @@ class Cells:
             self.now, self.waiting = pair, [[*self.range, *parts]]
         cut_cells(self.waiting, line.get("cut", []), self.where, name)
         keep = number(line["keep"]) if "keep" in line else self.margin
-        prove(keep >= self.margin, f"{name}: keeps {float(keep)}, less than the margin")
+        prove(keep >= self.margin, f"{name}: keeps {shown(keep)}, less than the margin")
         prove(self.waiting, f"{name}: cells after the last cell")
         return self.waiting.pop(), keep
 
@@ -815,6 +919,7 @@ class Moment:
 
     def __init__(self, scene, line):
         self.scene, self.pair = scene, scene.pair(line[kind(line)])
+        no_half_space(scene, self.pair)
         self.time = number(line["at"]) if "at" in line else None
         need((self.time is not None) == scene.moving(self.pair), "a pair that moves has a time, one that rests has none")
         self.span = (self.time or Q(0),) * 2
@@ -843,8 +948,11 @@ class Moment:
     def radii(self):
         return sum(self.scene.bodies[k].radius for k in self.pair)
 
+    def names(self):
+        return self.scene.names(self.pair)
+
     def text(self):
-        when = f" at t = {float(self.time)}" if self.time is not None else ""
+        when = f" at t = {shown(self.time)}" if self.time is not None else ""
         return " and ".join(self.scene.bodies[k].name for k in self.pair) + when
 
     def means(self, line):
@@ -889,7 +997,7 @@ def meet(scene, line):
 
     signs = [volume(1, 2, 3), -volume(0, 2, 3), volume(0, 1, 3), -volume(0, 1, 2)]
     known = any(signs) if moment.time is None else all(signs)
-    prove(known and (min(signs) > -1 or max(signs) < 1), f"{moment.text()}: no common point is seen")
+    prove(known and (min(signs) > -1 or max(signs) < 1), f"{moment.text()} share a point: this is not seen")
     return f"{moment.text()} share a point"
 
 
@@ -909,8 +1017,9 @@ def near(scene, line):
         way = minus(*(scene.point(body, x, moment.span) for body, x in zip(bodies, fixed_means)))
         square = dot(way, way)
         truth = Q(square.c[0] + square.r, ONE) <= (reach * scene.unit) ** 2
-    prove(truth, f"{moment.text()}: not so near")
-    return f"{moment.text()} are at most {float(within)!r} apart"
+    said = f"{moment.text()} are at most {shown(within)} apart"
+    prove(truth, f"{said}: this is not seen")
+    return said
 
 
 def nearest(moment, placed, line):
@@ -936,19 +1045,19 @@ def nearest(moment, placed, line):
         d = square[0][0] * square[1][1] - square[0][1] ** 2
         first = right[0] * square[1][1] - right[1] * square[0][1]
         parts = [(first, d), (right[1] * square[0][0] - right[0] * square[0][1], d)]
-    prove(all(d > 0 for _, d in parts), f"{moment.text()}: a feature without extent")
+    prove(all(d > 0 for _, d in parts), f"{moment.names()}: a feature without extent")
     parts = [x / d for x, d in parts]
     for side in (0, 1):
         own = [x for x, s in zip(parts, sides) if s == side]
-        prove(all(x >= 0 for x in own) and sum(own) <= 1, f"{moment.text()}: a closest point outside its feature")
+        prove(all(x >= 0 for x in own) and sum(own) <= 1, f"{moment.names()}: a closest point outside its feature")
     return [w + sum(t * e[k] for t, e in zip(parts, edges)) for k, w in enumerate(way)]
 
 
-def below(moment, placed, some, n, lower):
+def below(moment, placed, some, n, lower, of=""):
     """Some points of A, or all, are below some of B along n, by `lower` and more than 0."""
     gap = placed[1].heights(n, some[1])[0] - placed[0].heights(n, some[0])[1]
-    prove(gap > 0, f"{moment.text()}: no gap along the normal")
-    prove(at_most(-gap, -lower, dot(n, n)), f"{moment.text()}: the lower bound is not proven")
+    prove(gap > 0, f"{moment.names()}: no gap along the normal{of}")
+    prove(at_most(-gap, -lower, dot(n, n)), f"{moment.names()}: the lower bound is not proven{of}")
 
 
 def groups(moment, placed, entries, lower):
@@ -956,11 +1065,12 @@ def groups(moment, placed, entries, lower):
     bodies = [moment.scene.bodies[k] for k in moment.pair]
     waiting = [[(0, len(body.parts)) for body in bodies]]
     for cuts, normal in (array(entry, 2) for entry in array(entries)):
-        cut_cells(waiting, cuts, at_part, moment.text())
-        prove(waiting, f"{moment.text()}: a group after the last one")
-        some = [body.of_parts(ends) for body, ends in zip(bodies, waiting.pop())]
-        below(moment, placed, some, numbers(normal, 3), lower)
-    prove(not waiting, f"{moment.text()}: {len(waiting)} groups without a plane")
+        cut_cells(waiting, cuts, at_part, moment.names())
+        prove(waiting, f"{moment.names()}: a group after the last one")
+        parts = [list(ends) for ends in waiting.pop()]
+        some = [body.of_parts(ends) for body, ends in zip(bodies, parts)]
+        below(moment, placed, some, numbers(normal, 3), lower, f" of parts {parts}")
+    prove(not waiting, f"{moment.names()}: {len(waiting)} groups without a plane")
     return len(entries) == 1
 
 
@@ -968,6 +1078,7 @@ def distance(scene, line):
     """Lemma 6."""
     only(line, "distance", "lower", "upper", "normal", "cells", "on")
     moment = Moment(scene, line)
+    need(not any(scene.bodies[k].discs for k in moment.pair), "a distance of a body with discs")
     placed = moment.placed()
     bounds = number(get(line, "lower")), number(get(line, "upper"))
     lower, upper = (x + moment.radii() for x in bounds)
@@ -982,8 +1093,8 @@ def distance(scene, line):
     else:
         hulls_apart = True
         below(moment, placed, (None, None), numbers(line["normal"], 3) if "normal" in line else way, lower)
-    prove(upper >= 0 and dot(way, way) <= upper * upper, f"{moment.text()}: the upper bound is not proven")
-    apart = "{} are at least {!r} and at most {!r} apart".format(moment.text(), *map(float, bounds))
+    prove(upper >= 0 and dot(way, way) <= upper * upper, f"{moment.names()}: the upper bound is not proven")
+    apart = "{} are at least {} and at most {} apart".format(moment.text(), *map(shown, bounds))
     if hulls_apart or not any(scene.bodies[k].solid for k in moment.pair):
         return apart
     return f"the surfaces of {apart}; not looked at: whether one is inside the other"
@@ -1099,22 +1210,24 @@ class Check:
         self.said, self.failure, self.more = [], None, 0
         self.count, self.number, self.waiting = 0, 0, {}
         self.hulls_apart, self.cut = set(), set()  # pairs with a solid
+        self.kept = {}  # what each pair keeps by all its evidence
         for k, line in self.evidence():
             self.number += kind(line) != "leg"
             self.note(k, self.number if kind(line) != "leg" else None, lambda: self.line(line))
         last = len(self.lines) + 1
         self.note(last, None, self.end_leg)
         self.note(last, None, lambda: prove(hashed, "the hash is not that of the lines"))
-        self.note(last, None, lambda: prove(len(self.legs) == self.count, "another scene: another number of legs"))
+        self.note(last, None, lambda: prove(len(self.legs) == self.count, f"another scene: {len(self.legs)} legs, not {self.count}"))
         if self.claim == "apart":
-            begin, until = float(self.begin), float(self.until)
+            begin, until = shown(self.begin), shown(self.until)
             legs = f" of each of {self.count} legs" if self.count > 1 else ""
             self.tell(f"from t = {begin} until t = {until}{legs}")
         elif self.cells:
             self.margin = self.cells.margin
-            each = (f"[{float(low)}, {float(high)}]" for low, high in self.cells.range)
+            each = (f"[{shown(low)}, {shown(high)}]" for low, high in self.cells.range)
             self.tell(f"at every configuration of {' x '.join(each)}")
-        self.note(1, None, lambda: prove(self.said, "nothing is claimed"))
+        if not self.failure:
+            self.note(1, None, lambda: prove(self.said, "nothing is claimed"))
         if self.failure:
             raise Fails(self.failure + (f"; {self.more} further failures)" if self.more else ")"))
         return self.said
@@ -1146,13 +1259,19 @@ class Check:
         cell, keep = self.cells.next(scene, pair, line)
         some = [scene.bodies[k].of_parts(ends) for k, ends in zip(pair, cell[-2:])]
         cell = cell[:-2]
-        link, normal = whole(get(line, "link")), numbers(get(line, "normal"), 3)
+        floor = floor_of(scene, pair, True)
+        if floor:
+            only(line, "cell", "cut", "keep")
+            link, normal = 0, floor[1]
+        else:
+            link, normal = whole(get(line, "link")), numbers(get(line, "normal"), 3)
         need(link <= len(scene.joints), f"unknown link {link}")
+        self.keeps(pair, keep)
         if any(scene.bodies[k].solid for k in pair):
             (self.hulls_apart if some == [None, None] else self.cut).add(pair)
-        truth = in_cell(scene, pair, some, cell, link, normal, keep)
-        middle = [float((low + high) / 2) for low, high in cell]
-        prove(truth, f"{scene.names(pair)}, about {middle}")
+        truth = in_cell(scene, pair, some, cell, link, normal, keep, floor)
+        middle = ", ".join(shown((low + high) / 2) for low, high in cell)
+        prove(truth, f"{scene.names(pair)}, about [{middle}]")
 
     def of_leg(self):
         return f" of leg {self.count}" if self.count > 1 else ""
@@ -1172,7 +1291,7 @@ class Check:
         # A cut is for the time that is left, in both parts.
         starts += starts[-1:] * (len(waiting) - len(starts))
         start, parts = starts[-1], waiting[-1]
-        why = f"{name}: a proof from t = {float(span[0])}, after one until t = {float(start)}"
+        why = f"{name}: a proof from t = {shown(span[0])}, after one until t = {shown(start)}"
         prove(span[0] == start <= span[1] <= self.until, why)
         return [body.of_parts(ends) for body, ends in zip(bodies, parts)]
 
@@ -1182,16 +1301,22 @@ class Check:
         only(line, kind(line), "from", "until", "keep", *(("normal", "spin", "cut") if plane else ()))
         usual = {"from": self.begin, "until": self.until, "keep": self.margin}
         start, until, keep = (number(line[k]) if k in line else x for k, x in usual.items())
-        if plane:
-            normal = numbers(get(line, "normal"), 3)
-            spin = numbers(line["spin"], 3) if "spin" in line else None
         pairs = [self.scene.pair(line["plane"])] if plane else self.scene.star(line["balls"])
+        if plane:
+            floor = floor_of(self.scene, pairs[0], False)
+            if floor:
+                only(line, "plane", "from", "until", "keep")
+            normal = floor[1] if floor else numbers(get(line, "normal"), 3)
+            spin = numbers(line["spin"], 3) if "spin" in line else None
+        for pair in pairs if not plane else []:
+            no_half_space(self.scene, pair)
         cuts = array(line.get("cut", []))
-        prove(keep >= self.margin, f"{self.scene.names(pairs[0])}: keeps {float(keep)}, less than the margin")
+        prove(keep >= self.margin, f"{self.scene.names(pairs[0])}: keeps {shown(keep)}, less than the margin")
         failed, span = None, (start, until)
         for pair in pairs:
             some = self.cell_at_hand(pair, span, cuts)
-            more = (by_plane, normal, spin, some) if plane else (by_balls,)
+            more = (by_plane, normal, spin, some, floor) if plane else (by_balls,)
+            self.keeps(pair, keep)
             holds = any(self.holds(degree, pair, span, keep, *more) for degree in DEGREES)
             failed = failed if holds else failed or pair
             if any(self.scene.bodies[k].solid for k in pair):
@@ -1202,17 +1327,22 @@ class Check:
                 starts.pop()
             else:
                 starts[-1] = until
-        prove(failed is None, f"{self.scene.names(failed or pairs[0])}, at t = {float(start)}{self.of_leg()}")
+        prove(failed is None, f"{self.scene.names(failed or pairs[0])}, at t = {shown(start)}{self.of_leg()}")
+
+    def keeps(self, pair, keep):
+        """Notes what a pair keeps by a line."""
+        self.kept[pair] = min(keep, self.kept.get(pair, keep))
 
     def outside(self, line):
         """The hulls of two bodies are apart at a time: neither body is inside the other."""
         only(line, "outside", "at", "normal")
         pair, time = self.scene.pair(line["outside"]), number(get(line, "at"))
         normal = numbers(get(line, "normal"), 3)
+        no_half_space(self.scene, pair)
         self.must_prove(pair)
         holds = (self.holds(degree, pair, (time, time), Q(0), by_plane, normal, None) for degree in DEGREES)
         truth = self.begin <= time <= self.until and any(holds)
-        prove(truth, f"{self.scene.names(pair)}: the hulls are not apart at t = {float(time)}")
+        prove(truth, f"{self.scene.names(pair)}: the hulls are not apart")
         self.hulls_apart.add(pair)
 
     def holds(self, degree, pair, span, keep, lemma, *more):
@@ -1237,8 +1367,8 @@ class Check:
             proven = self.cells.done
         elif self.claim == "apart":
             for pair, (waiting, starts) in sorted(proven.items()):
-                done = f"{float(starts[-1])} only" if waiting else ""
-                prove(not waiting, f"{self.scene.names(pair)} is proven until t = {done}")
+                until = shown(starts[-1]) if waiting else ""
+                prove(not waiting, f"{self.scene.names(pair)} is proven until t = {until} only")
         else:
             return
         moving = [b.moves for b in self.scene.bodies]
@@ -1256,28 +1386,42 @@ class Check:
         if not moving:
             return
         stay = "pair of bodies stays" if len(moving) == 1 else "pairs of bodies stay"
+        more = [(pair, keep) for pair, keep in sorted(self.kept.items()) if float(keep) > float(self.margin)]
         self.said += [
-            f"{len(moving)} {stay} more than {float(self.margin)} apart {when}",
+            f"{len(moving)} {stay} more than {shown(self.margin)} apart {when}",
             "these are all pairs with a body that moves, but for those listed below; moving: "
             + ", ".join(b.name for b in bodies if b.moves)
             + "; at rest: "
             + ", ".join(b.name for b in bodies if not b.moves),
+            *self.grouped((pair, f"more than {shown(keep)} apart") for pair, keep in more),
         ]
+
+    def grouped(self, pairs):
+        """The lines of statements about pairs; one line for all pairs with one statement, or for each."""
+        groups = {}
+        for pair, text_ in pairs:
+            groups.setdefault(text_, []).append(self.scene.names(pair))
+        for text_, names in groups.items():
+            if self.all or len(names) == 1:
+                yield from (f"{name}: {text_}" for name in names)
+            else:
+                yield f"{len(names)} pairs: {text_}, such as {names[0]}"
 
     def text(self):
         scene = self.scene
         yield f"holds: {self.number} certificates"
         yield from (f"proven: {x}" for x in self.said)
         if self.claim in ("apart", "range"):
-            yield from (f"not looked at: {scene.names(pair)}: {why}" for pair, why in sorted(scene.ignored.items()))
-            for pair in sorted(self.cut - self.hulls_apart):
-                inside = "whether one is inside the other; their surfaces stay apart"
-                yield f"not looked at: {scene.names(pair)}: {inside}"
+            inside = "whether one is inside the other; their surfaces stay apart"
+            unseen = [*self.grouped(sorted(scene.ignored.items()))]
+            unseen += self.grouped((pair, inside) for pair in sorted(self.cut - self.hulls_apart))
+            yield from (f"not looked at: {x}" for x in unseen)
             count = len(scene.bodies)
             pairs = ((a, b) for a in range(count) for b in range(a + 1, count))
             resting = sum(not scene.moving(x) and x not in scene.ignored for x in pairs)
             if resting:
-                yield f"not looked at: {resting} pairs of bodies that both rest"
+                pairs = "pair" if resting == 1 else "pairs"
+                yield f"not looked at: {resting} {pairs} of bodies that both rest"
         yield from (f"not compared: file {name} with SHA-256 {sha}" for name, sha in scene.files)
 
 
@@ -1296,10 +1440,11 @@ def read_leg(line):
     return rows
 
 
-def verify(receipt, other=None):
+def verify(receipt, other=None, all_=False):
     """Checks the bytes of a receipt; returns the lines of the answer. Raises `Fails` or `Bad`."""
     lines, hashed = read(receipt)
     check = Check(lines)
+    check.all = all_
     if other is not None:
         try:
             other_lines, other_hashed = read(other)
@@ -1313,15 +1458,16 @@ def verify(receipt, other=None):
 
 
 def main(names):
+    all_, names = "--all" in names, [name for name in names if name != "--all"]
     if not 1 <= len(names) <= 2:
-        print("usage: verify.py RECEIPT [SCENE]", file=sys.stderr)
+        print("usage: verify.py [--all] RECEIPT [SCENE]", file=sys.stderr)
         return 3
     try:
         contents = []
         for name in names:
             with open(name, "rb") as file:
                 contents.append(file.read())
-        print("\n".join(verify(*contents)))
+        print("\n".join(verify(*contents, all_=all_)))
         return 0
     except Fails as why:
         print(f"{'stale' if len(names) > 1 else 'does not hold'}: {why}")

@@ -19,6 +19,9 @@ pub(crate) struct VerifyOptions {
     /// proof is checked
     #[arg(long, value_name = "FILE")]
     on: Option<PathBuf>,
+    /// Name every pair, not only their number for each reason
+    #[arg(long)]
+    all: bool,
 }
 
 pub(crate) fn run(options: &VerifyOptions) -> Result<End, ToolError> {
@@ -32,6 +35,10 @@ pub(crate) fn run(options: &VerifyOptions) -> Result<End, ToolError> {
         None => verify(receipt),
     };
     let verdict = found.map_err(|error| refused(&options.receipt, error))?;
-    say!("{}", verdict.to_string().trim_end());
+    let text = match options.all {
+        true => format!("{verdict:#}"),
+        false => verdict.to_string(),
+    };
+    say!("{}", text.trim_end());
     Ok(if verdict.holds() { End::Free } else { End::Blocked })
 }

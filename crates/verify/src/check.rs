@@ -7,6 +7,7 @@ mod start;
 mod tell;
 
 use std::cell::OnceCell;
+use std::collections::BTreeMap;
 use std::io::BufRead;
 
 use dashu_int::IBig;
@@ -19,6 +20,7 @@ use crate::lines::Lines;
 use crate::meet::Meet;
 use crate::motion::Stage;
 use crate::near::Near;
+use crate::real::Real;
 use crate::report::{Failure, Report, Unreadable, Verdict};
 use crate::scene::{Leg, Scene};
 use crate::{Stop, distance, rules};
@@ -74,6 +76,8 @@ struct Check {
     count: usize,
     cover: Cover,
     inside: Inside,
+    /// What each pair keeps by all its evidence.
+    kept: BTreeMap<(usize, usize), Real>,
     failure: Option<Failure>,
     /// The other scene has other bodies, or the claim cannot be about it: no certificate is evaluated.
     different: Option<String>,
@@ -110,7 +114,7 @@ impl Check {
                     "near" => self.moment(&Near::read(&self.scene, line)?)?,
                     _ => distance::check(&self.scene, line)?,
                 };
-                self.report.proven.push(text + &self.of_leg());
+                self.report.proven.push((text + &self.of_leg()).into());
                 Ok(())
             }
         }

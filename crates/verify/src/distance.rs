@@ -23,6 +23,12 @@ use crate::scene::Scene;
 pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
     line.only(&["distance", "lower", "upper", "normal", "cells", "on"])?;
     let moment = Moment::read(scene, line)?;
+    if [moment.pair.0, moment.pair.1]
+        .iter()
+        .any(|k| !scene.bodies[*k].discs.is_empty())
+    {
+        return Stop::bad("a distance of a body with discs");
+    }
     let placed = [scene.placed(moment.pair.0)?, scene.placed(moment.pair.1)?];
     let bounds = [line.get("lower")?.real()?, line.get("upper")?.real()?];
     let [lower, upper] = bounds.map(|x| x.exact() + radii(scene, moment.pair));
@@ -56,7 +62,7 @@ pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
         false => [""; 2],
     };
     Ok(format!(
-        "{of}{text} are at least {lower:?} and at most {upper:?} apart{inside}"
+        "{of}{text} are at least {lower} and at most {upper} apart{inside}"
     ))
 }
 

@@ -11,12 +11,12 @@
 
 use std::collections::BTreeSet;
 
-use crate::Stop;
 use crate::json::Json;
 use crate::motion::Span;
 use crate::plane::Plane;
 use crate::real::Real;
 use crate::scene::Scene;
+use crate::{Stop, half_space};
 
 /// The pairs of which one body is a solid.
 #[derive(Default)]
@@ -46,6 +46,7 @@ impl Inside {
         line.only(&["outside", "at", "normal"])?;
         let (pair, time) = (scene.pair(line.get("outside")?)?, line.get("at")?.real()?);
         let normal = line.get("normal")?.reals::<3>()?.map(Real::exact);
+        half_space::refuse(scene, pair)?;
         scene.must_prove(pair)?;
         if !(whole.from..=whole.until).contains(&time) {
             return Stop::fails(format!("{}: a time outside of the interval", scene.names(pair)));
@@ -57,14 +58,12 @@ impl Inside {
             keep: dashu_ratio::RBig::ZERO,
             normal,
             spin: None,
+            floor: None,
         })
     }
 
-    /// Returns what is not known about solids.
-    pub(crate) fn not_looked_at(&self, scene: &Scene) -> impl Iterator<Item = String> {
-        self.by_parts.difference(&self.hulls_apart).map(|pair| {
-            let name = scene.names(*pair);
-            format!("{name}: whether one is inside the other; their surfaces stay apart")
-        })
+    /// Returns the pairs of which one body could be inside the other.
+    pub(crate) fn not_looked_at(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.by_parts.difference(&self.hulls_apart).copied()
     }
 }

@@ -27,6 +27,8 @@ pub(crate) trait Int: Clone + Ord {
     /// Divided by a positive number: within 1 of the quotient.
     fn over(&self, n: i32) -> Self;
     fn size(&self) -> Option<Self>;
+    /// Divided by a positive number, rounded down.
+    fn quotient(&self, o: &Self) -> Self;
 }
 
 impl Int for i128 {
@@ -65,6 +67,9 @@ impl Int for i128 {
     }
     fn size(&self) -> Option<Self> {
         self.checked_abs()
+    }
+    fn quotient(&self, o: &Self) -> Self {
+        self.div_euclid(*o)
     }
 }
 
@@ -105,6 +110,9 @@ impl Int for IBig {
     fn size(&self) -> Option<Self> {
         Some(self.clone().abs())
     }
+    fn quotient(&self, o: &Self) -> Self {
+        dashu_base::DivEuclid::div_euclid(self, o)
+    }
 }
 
 #[cfg(test)]
@@ -116,6 +124,9 @@ mod tests {
         assert!(I::small(-3).half() == I::small(-2) && I::small(3).half() == I::small(1));
         let below = of(-3).sub(&I::small(1)).unwrap();
         assert!(below.down() == I::small(-4) && of(-3).down() == I::small(-3));
+        assert!(
+            I::small(-7).quotient(&I::small(2)) == I::small(-4) && I::small(7).quotient(&I::small(2)) == I::small(3)
+        );
         assert!(I::small(-7).over(2).sub(&I::small(-4)).unwrap().size().unwrap() <= I::small(1));
     }
 

@@ -10,9 +10,11 @@ mod check;
 mod claim;
 mod cover;
 mod cuts;
+mod disc;
 mod distance;
 mod file;
 mod groups;
+mod half_space;
 mod hops;
 mod inside;
 mod int;
@@ -44,7 +46,7 @@ pub mod proof {}
 
 use std::io::BufRead;
 
-pub use report::{Failure, Report, StatedFile, Unreadable, Verdict};
+pub use report::{Failure, Report, StatedFile, Statement, Unreadable, Verdict};
 
 /// Why a line is not accepted.
 #[derive(Debug)]

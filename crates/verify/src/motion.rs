@@ -62,7 +62,7 @@ impl<I: Int> Stage<I> {
         let solids = scene
             .bodies
             .iter()
-            .map(|b| Solid::new(&b.points, &b.motion, scene.scale))
+            .map(|b| Solid::new(b, scene.scale))
             .collect::<Option<_>>()?;
         let base = match &scene.base {
             Some(base) => Some(Step::place(base, &unit)?),

@@ -12,6 +12,7 @@
 use dashu_ratio::RBig;
 
 use crate::claim::{Claim, beyond, radii};
+use crate::half_space::Floor;
 use crate::int::Int;
 use crate::motion::{Span, Stage, Turn};
 use crate::real::{Exact, Real};
@@ -26,6 +27,8 @@ pub(crate) struct Plane {
     pub(crate) keep: RBig,
     pub(crate) normal: Exact,
     pub(crate) spin: Option<Exact>,
+    /// One of the two is a half-space.
+    pub(crate) floor: Option<Floor>,
 }
 
 impl Claim for Plane {
@@ -40,8 +43,17 @@ impl Claim for Plane {
             };
             n = Turn::new(spin, vec![RBig::ZERO, length])?.point(&n, &whole)?;
         }
-        let [_, high] = stage.heights(scene, self.pair.0, self.some[0].as_deref(), &n, &self.span)?;
-        let [low, _] = stage.heights(scene, self.pair.1, self.some[1].as_deref(), &n, &self.span)?;
+        let heights = |side: usize| match &self.floor {
+            Some(floor) if floor.side == side => {
+                let height = floor.height::<I>(&stage.unit)?.mul(&I::small(I::W))?;
+                Some([vec![height.clone(); I::D + 1], vec![height; I::D + 1]])
+            }
+            _ => {
+                let body = [self.pair.0, self.pair.1][side];
+                stage.heights(scene, body, self.some[side].as_deref(), &n, &self.span)
+            }
+        };
+        let ([_, high], [low, _]) = (heights(0)?, heights(1)?);
         let gaps = high
             .iter()
             .zip(&low)

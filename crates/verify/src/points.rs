@@ -21,7 +21,7 @@ pub(crate) struct Points {
 
 impl Points {
     /// Most vertices of a body.
-    const MOST: usize = 65_536;
+    const MOST: usize = 1 << 18;
 
     pub(crate) fn read(json: &Json, pivot: [Real; 3]) -> Result<(Self, [Real; 3]), Stop> {
         let all = json.array()?;

@@ -23,9 +23,9 @@ use std::collections::BTreeMap;
 
 use dashu_ratio::RBig;
 
-use rest::above;
-
 use crate::claim::{Claim, beyond, radii};
+use crate::disc::{FixedDisc, above};
+use crate::half_space::Floor;
 use crate::hops::at_once;
 use crate::int::Int;
 use crate::motion::{Stage, chosen};
@@ -41,6 +41,8 @@ pub(crate) struct InCell {
     pub(crate) cell: Vec<[Real; 2]>,
     pub(crate) link: usize,
     pub(crate) normal: Exact,
+    /// One of the two is a half-space.
+    pub(crate) floor: Option<Floor>,
     pub(crate) keep: RBig,
 }
 
@@ -65,6 +67,10 @@ impl InCell {
 
     /// Bounds the heights of some vertices of A or B from below and from above, in units of 2^-2P.
     fn heights<I: Int>(&self, scene: &Scene, stage: &Stage<I>, side: usize) -> Option<[I; 2]> {
+        if let Some(floor) = self.floor.as_ref().filter(|floor| floor.side == side) {
+            let height = floor.height::<I>(&stage.unit)?;
+            return Some([height.clone(), height]);
+        }
         let body = [self.pair.0, self.pair.1][side];
         let value = |k: usize| scene.joints[k].at(|c| self.middle(c));
         let hops = stage.hops(scene, self.link, body, value)?;
@@ -100,18 +106,27 @@ impl InCell {
             bends.push((m, o, solid.off(m, o)?, above::<I>(&self.half(*coordinate))?));
         }
         let mut ends: Option<[I; 2]> = None;
-        for p in &*chosen(&solid.points, self.some[side].as_deref()) {
-            let mut slack = off.clone();
+        let mut take = |p: &[I; 3], disc: Option<&FixedDisc<I>>| {
+            // A point of the disc departs from the centre by half its height.
+            let wider = |m| disc.map_or(Some(I::small(0)), |disc| disc.half_height(m));
+            let mut slack = off.add(&wider(m)?)?;
             for (m, o, off, half) in &bends {
-                let slope = height(p, m, o)?.size()?.add(off)?;
+                let slope = height(p, m, o)?.size()?.add(off)?.add(&wider(m)?)?;
                 slack = slack.add(&half.mul(&slope.down().add(&I::small(1))?)?)?;
             }
             let height = height(p, m, o)?;
             let [low, high] = [height.sub(&slack)?, height.add(&slack)?];
-            ends = Some(match ends {
+            ends = Some(match ends.take() {
                 Some([least, most]) => [least.min(low), most.max(high)],
                 None => [low, high],
             });
+            Some(())
+        };
+        for p in &*chosen(&solid.points, self.some[side].as_deref()) {
+            take(p, None)?;
+        }
+        for disc in &solid.discs {
+            take(&solid.points[disc.centre], Some(disc))?;
         }
         ends
     }

@@ -30,19 +30,52 @@ impl fmt::Display for Verdict {
 }
 
 /// What is proven, and what was not looked at. The text is the answer, not "ok".
+///
+/// `{}` writes one line for all pairs with one statement, `{:#}` a line for each pair.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Report {
-    /// One sentence for each claim.
-    pub proven: Vec<String>,
-    /// One sentence for each thing that a reader could think to be proven.
-    pub not_looked_at: Vec<String>,
+    /// What is proven: the claims, and pairs that keep more than all pairs must.
+    pub proven: Vec<Statement>,
+    /// What a reader could think to be proven.
+    pub not_looked_at: Vec<Statement>,
     /// Files that the writer of the scene says to have read. Their hashes were not compared.
     pub files: Vec<StatedFile>,
     /// Number of lines of evidence.
     pub certificates: usize,
     /// Number of claims that needed the wide integers.
     pub wide: usize,
+}
+
+/// A statement about some pairs of bodies, or about the whole.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Statement {
+    /// The statement.
+    pub text: String,
+    /// The names of the bodies of each pair, as `A against B`; empty for a statement about the whole.
+    pub pairs: Vec<String>,
+}
+
+impl From<String> for Statement {
+    fn from(text: String) -> Self {
+        let pairs = Vec::new();
+        Self { text, pairs }
+    }
+}
+
+impl Statement {
+    /// Writes the statement about all of its pairs in one line, or a line for each pair.
+    fn write(&self, f: &mut fmt::Formatter, head: &str) -> fmt::Result {
+        let Self { text, pairs } = self;
+        match &pairs[..] {
+            [] => writeln!(f, "{head}: {text}"),
+            [first, _, ..] if !f.alternate() => {
+                writeln!(f, "{head}: {} pairs: {text}, such as {first}", pairs.len())
+            }
+            all => all.iter().try_for_each(|pair| writeln!(f, "{head}: {pair}: {text}")),
+        }
+    }
 }
 
 /// A file that the writer of a receipt says to have read.
@@ -58,10 +91,10 @@ pub struct StatedFile {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         writeln!(f, "holds: {} certificates", self.certificates)?;
-        self.proven.iter().try_for_each(|x| writeln!(f, "proven: {x}"))?;
+        self.proven.iter().try_for_each(|x| x.write(f, "proven"))?;
         self.not_looked_at
             .iter()
-            .try_for_each(|x| writeln!(f, "not looked at: {x}"))?;
+            .try_for_each(|x| x.write(f, "not looked at"))?;
         for file in &self.files {
             writeln!(f, "not compared: file {} with SHA-256 {}", file.name, file.sha256)?;
         }

@@ -3,6 +3,7 @@
 use super::Check;
 use crate::Stop;
 use crate::file::Head;
+use crate::half_space::Floor;
 use crate::json::Json;
 use crate::range::InCell;
 use crate::real::Real;
@@ -16,15 +17,26 @@ impl Check {
             return Ok(());
         };
         let ((cell, parts), keep) = cells.next(&self.scene, pair, line)?;
-        let (link, normal) = (line.get("link")?.whole()?, line.get("normal")?.reals::<3>()?);
+        let floor = Floor::of_pair(&self.scene, pair, true)?;
+        let (link, normal) = match &floor {
+            Some(floor) => {
+                line.only(&["cell", "cut", "keep"])?;
+                (0, floor.normal.clone())
+            }
+            None => {
+                let normal = line.get("normal")?.reals::<3>()?;
+                (line.get("link")?.whole()?, normal.map(Real::exact))
+            }
+        };
         if link > self.scene.joints.len() {
             return Stop::bad(format!("unknown link {link}"));
         }
-        let middle: Vec<f64> = cell
+        let middle = cell
             .iter()
-            .map(|[low, high]| 0.5 * (low.shown() + high.shown()))
-            .collect();
-        let (normal, keep) = (normal.map(Real::exact), keep.exact());
+            .map(|[low, high]| (0.5 * (low.shown() + high.shown())).to_string());
+        let middle = middle.collect::<Vec<_>>().join(", ");
+        self.keeps(pair, keep);
+        let keep = keep.exact();
         let bodies = [pair.0, pair.1].map(|k| &self.scene.bodies[k]);
         let some = [bodies[0].of_parts(parts[0]), bodies[1].of_parts(parts[1])];
         self.inside.add(&self.scene, pair, some == [None, None]);
@@ -34,11 +46,12 @@ impl Check {
             cell,
             link,
             normal,
+            floor,
             keep,
         };
         if self.holds(&claim) {
             return Ok(());
         }
-        Stop::fails(format!("{}, about {middle:?}", self.scene.names(pair)))
+        Stop::fails(format!("{}, about [{middle}]", self.scene.names(pair)))
     }
 }

@@ -6,6 +6,7 @@ use crate::balls::Balls;
 use crate::claim::{AtMoment, Claim};
 use crate::cover::Apart;
 use crate::file::Head;
+use crate::half_space::{self, Floor};
 use crate::inside::Inside;
 use crate::json::Json;
 use crate::motion::{Span, Stage};
@@ -45,18 +46,33 @@ impl Check {
             "plane" => {
                 line.only(&["plane", "normal", "spin", "from", "until", "keep", "cut"])?;
                 let cuts = line.find("cut").map_or(Ok(&[][..]), Json::array)?;
-                let normal = vector(line.get("normal")?)?;
+                let pair = self.scene.pair(line.get("plane")?)?;
+                let floor = Floor::of_pair(&self.scene, pair, false)?;
+                if floor.is_some() {
+                    line.only(&["plane", "from", "until", "keep"])?;
+                }
+                let normal = match &floor {
+                    Some(floor) => floor.normal.clone(),
+                    None => vector(line.get("normal")?)?,
+                };
                 let spin = line.find("spin").map(vector).transpose()?;
-                (vec![self.scene.pair(line.get("plane")?)?], Some((normal, spin)), cuts)
+                (vec![pair], Some((normal, spin, floor)), cuts)
             }
             _ => {
                 line.only(&["balls", "from", "until", "keep"])?;
-                (self.scene.star(line.get("balls")?)?, None, &[][..])
+                let pairs = self.scene.star(line.get("balls")?)?;
+                pairs
+                    .iter()
+                    .try_for_each(|pair| half_space::refuse(&self.scene, *pair))?;
+                (pairs, None, &[][..])
             }
         };
         if keep < apart.margin {
             let name = pairs.first().map_or(String::new(), |pair| self.scene.names(*pair));
             return Stop::fails(format!("{name}: keeps {}, less than the margin", keep.shown()));
+        }
+        for pair in &pairs {
+            self.keeps(*pair, keep);
         }
         let (keep, mut failed) = (keep.exact(), None);
         for pair in pairs {
@@ -65,13 +81,14 @@ impl Check {
             let some = [bodies[0].of_parts(parts[0]), bodies[1].of_parts(parts[1])];
             let whole = plane.is_none() || some == [None, None];
             let holds = match plane.clone() {
-                Some((normal, spin)) => self.holds(&Plane {
+                Some((normal, spin, floor)) => self.holds(&Plane {
                     pair,
                     some,
                     span,
                     keep: keep.clone(),
                     normal,
                     spin,
+                    floor,
                 }),
                 None => self.holds(&Balls {
                     pair,
@@ -92,6 +109,14 @@ impl Check {
                 let (names, from) = (self.scene.names(pair), span.from.shown());
                 Stop::fails(format!("{names}, at t = {from}{}", self.of_leg()))
             }
+        }
+    }
+
+    /// Notes what a pair keeps by a line.
+    pub(super) fn keeps(&mut self, pair: (usize, usize), keep: Real) {
+        let known = self.kept.entry(pair).or_insert(keep);
+        if keep < *known {
+            *known = keep;
         }
     }
 

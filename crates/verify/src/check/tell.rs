@@ -1,12 +1,15 @@
 //! Says what is proven and what was not looked at, or what failed first.
 
+use std::collections::BTreeMap;
+
 use super::Check;
 use crate::Stop;
 use crate::cover::Apart;
 use crate::file::Head;
 use crate::pairs::needed;
 use crate::real::Real;
-use crate::report::{Failure, Unreadable, Verdict};
+use crate::report::{Failure, Statement, Unreadable, Verdict};
+use crate::scene::Scene;
 
 impl Check {
     /// Keeps the first failure and counts the others.
@@ -65,15 +68,16 @@ impl Check {
         if proven > 0 {
             self.tell_proven(margin.shown(), when, proven);
         }
-        for (pair, why) in &self.scene.ignored {
-            let text = format!("{}: {}", self.scene.names(*pair), self.scene.reasons[*why]);
-            self.report.not_looked_at.push(text);
-        }
-        self.report.not_looked_at.extend(self.inside.not_looked_at(&self.scene));
+        let ignored = self.scene.ignored.iter();
+        let reasons = ignored.map(|(pair, why)| (*pair, self.scene.reasons[*why].as_str()));
+        self.report.not_looked_at = grouped(&self.scene, reasons);
+        let inside = "whether one is inside the other; their surfaces stay apart";
+        let solids = self.inside.not_looked_at().map(|pair| (pair, inside));
+        self.report.not_looked_at.extend(grouped(&self.scene, solids));
         if resting > 0 {
-            self.report
-                .not_looked_at
-                .push(format!("{resting} pairs of bodies that both rest"));
+            let pairs = if resting == 1 { "pair" } else { "pairs" };
+            let text = format!("{resting} {pairs} of bodies that both rest");
+            self.report.not_looked_at.push(text.into());
         }
     }
 
@@ -85,7 +89,7 @@ impl Check {
             "pairs of bodies stay"
         };
         let text = format!("{proven} {stay} more than {margin} apart {when}");
-        self.report.proven.push(text);
+        self.report.proven.push(text.into());
         let names = |moves: bool| {
             let all: Vec<_> = self
                 .scene
@@ -96,10 +100,33 @@ impl Check {
                 .collect();
             all.join(", ")
         };
-        self.report.proven.push(format!(
-            "these are all pairs with a body that moves, but for those listed below; moving: {}; at rest: {}",
-            names(true),
-            names(false)
-        ));
+        self.report.proven.push(
+            format!(
+                "these are all pairs with a body that moves, but for those listed below; moving: {}; at rest: {}",
+                names(true),
+                names(false)
+            )
+            .into(),
+        );
+        let more = self.kept.iter().filter(|(_, keep)| keep.shown() > margin);
+        let more: Vec<_> = more
+            .map(|(pair, keep)| (*pair, format!("more than {} apart", keep.shown())))
+            .collect();
+        let more = more.iter().map(|(pair, text)| (*pair, text.as_str()));
+        self.report.proven.extend(grouped(&self.scene, more));
     }
+}
+
+/// Returns a statement for each text, about its pairs, in the order of the first pairs.
+fn grouped<'a>(scene: &Scene, pairs: impl Iterator<Item = ((usize, usize), &'a str)>) -> Vec<Statement> {
+    let mut found: Vec<Statement> = Vec::new();
+    let mut places = BTreeMap::new();
+    for (pair, text) in pairs {
+        let place = *places.entry(text).or_insert(found.len());
+        if place == found.len() {
+            found.push(text.to_owned().into());
+        }
+        found[place].pairs.push(scene.names(pair));
+    }
+    found
 }

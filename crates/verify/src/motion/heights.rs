@@ -10,7 +10,7 @@ use crate::vectors::Vector;
 
 impl<I: Int> Stage<I> {
     /// Returns least and greatest Bernstein coefficients of the heights of some vertices along n, or of
-    /// all, in units of 2^-2P / W: lower and upper bounds.
+    /// all, and of discs, in units of 2^-2P / W: lower and upper bounds.
     pub(crate) fn heights(
         &self,
         scene: &Scene,
@@ -40,6 +40,15 @@ impl<I: Int> Stage<I> {
             both[0].push(found[0].add(&b)?.sub(&off)?);
             both[1].push(found[1].add(&b)?.add(&off)?);
             ends = Some(found);
+        }
+        for disc in &solid.discs {
+            let p = &solid.points[disc.centre];
+            for (k, half) in disc.half_heights(&m)?.into_iter().enumerate() {
+                let [middle, _] = extremes(core::slice::from_ref(p), &nets.each_ref().map(|net| net[k].clone()))?;
+                let (middle, half) = (middle.add(&base[k].up()?)?, half.add(&off)?);
+                both[0][k] = both[0][k].clone().min(middle.sub(&half)?);
+                both[1][k] = both[1][k].clone().max(middle.add(&half)?);
+            }
         }
         Some(both)
     }

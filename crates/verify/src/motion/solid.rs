@@ -4,23 +4,24 @@ use dashu_int::IBig;
 use dashu_ratio::RBig;
 
 use super::step::{Step, Turn};
+use crate::disc::FixedDisc;
 use crate::int::Int;
-use crate::points::Points;
 use crate::pose::Pose;
 use crate::real::{Exact, dot as exact_dot, root_above, two_to};
-use crate::scene::{Motion, Steady};
+use crate::scene::{Body, Motion, Steady};
 use crate::taylor::Taylor;
 use crate::vectors::{Vector, each, fixed3};
 
 /// The vertices of a body in fixed point, within `inexact` units.
 pub(crate) struct Solid<I> {
     pub(crate) points: Vec<[I; 3]>,
+    pub(crate) discs: Vec<FixedDisc<I>>,
     pub(super) inexact: I,
     pub(super) most: [I; 3],
     pub(super) pivot: Vector<I>,
-    /// Radius of the ball around the vertices.
+    /// Radius of the ball around the vertices and discs.
     pub(super) reach: RBig,
-    /// The middle of the box of the vertices, and the radius of a ball around it that holds them.
+    /// The middle of the box of the vertices, and the radius of a ball around it that holds them and the discs.
     pub(crate) middle: Vector<I>,
     pub(crate) round: RBig,
     /// The steps of the body itself, the one next to the world first.
@@ -29,7 +30,8 @@ pub(crate) struct Solid<I> {
 }
 
 impl<I: Int> Solid<I> {
-    pub(super) fn new(points: &Points, motion: &Motion, scale: i64) -> Option<Self> {
+    pub(super) fn new(body: &Body, scale: i64) -> Option<Self> {
+        let (points, motion) = (&body.points, &body.motion);
         let (shift, unit) = (points.exponent - scale + I::P as i64, two_to(-scale));
         let mut inexact = false;
         let mut fixed = |x: &IBig| {
@@ -82,12 +84,20 @@ impl<I: Int> Solid<I> {
             }
         };
         let (most, pivot) = (each(most)?, fixed3(&pivot)?);
-        let reach = root_above(&(points.reach_squared(&points.pivot) * &unit * &unit));
-        let round = root_above(&(points.reach_squared(&points.middle) * &unit * &unit));
+        // A disc is in a ball of its radius about its centre.
+        let wider = body.discs.iter().map(|disc| disc.radius.exact() * &unit);
+        let wider = wider.max().unwrap_or(RBig::ZERO);
+        let reach = root_above(&(points.reach_squared(&points.pivot) * &unit * &unit)) + &wider;
+        let round = root_above(&(points.reach_squared(&points.middle) * &unit * &unit)) + &wider;
         let middle = fixed3(&points.exact(&points.middle).map(|x| x * &unit))?;
         Some(Self {
             middle,
             round,
+            discs: body
+                .discs
+                .iter()
+                .map(|disc| FixedDisc::new(disc, &unit))
+                .collect::<Option<_>>()?,
             points: all,
             inexact: I::small(inexact.into()),
             most,

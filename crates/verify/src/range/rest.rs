@@ -1,33 +1,17 @@
 //! The rest of lemma 9: by how much the second derivatives move a height over a cell.
 
-use dashu_base::SquareRoot;
-use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 
 use super::InCell;
+use crate::disc::{above, length};
 use crate::hops::{Hop, at_once};
 use crate::int::Int;
 use crate::motion::Solid;
 use crate::scene::{Kind, Scene};
-use crate::taylor::below;
-use crate::vectors::{Vector, cross, dot, fixed3};
-
-/// Rounded up, in units of 2^-P.
-pub(super) fn above<I: Int>(q: &RBig) -> Option<I> {
-    let (whole, rest) = below(q, I::P);
-    I::of(whole + IBig::from(rest))
-}
+use crate::vectors::{cross, fixed3};
 
 fn product<I: Int>(x: &I, y: &I) -> Option<I> {
     x.mul(y)?.down().add(&I::small(1))
-}
-
-/// No length of a vector is larger.
-fn length<I: Int>(v: &Vector<I>) -> Option<I> {
-    let square = dot(v, v)?;
-    let square = square.c[0].add(&square.r)?.wide() << I::P;
-    let root = UBig::try_from(square).map_or(UBig::ZERO, |x| x.sqrt());
-    I::of(IBig::from(root) + IBig::ONE)
 }
 
 impl InCell {

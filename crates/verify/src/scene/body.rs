@@ -4,6 +4,8 @@ use dashu_ratio::RBig;
 
 use super::Scene;
 use crate::Stop;
+use crate::disc::Disc;
+use crate::half_space::HalfSpace;
 use crate::json::Json;
 use crate::points::Points;
 use crate::pose::Pose;
@@ -36,6 +38,10 @@ pub(crate) struct Body {
     /// points are one part if there is none.
     pub(crate) parts: Vec<Vec<usize>>,
     pub(crate) solid: bool,
+    /// With the points they span the body.
+    pub(crate) discs: Vec<Disc>,
+    /// The body is a half-space; the points are the origin alone.
+    pub(crate) half: Option<HalfSpace>,
     pub(crate) radius: RBig,
     pub(crate) motion: Motion,
     pub(crate) moves: bool,
@@ -56,7 +62,7 @@ impl Scene {
     pub(super) fn body(&mut self, line: &Json) -> Result<(), Stop> {
         let number = self.bodies.len();
         line.only(&[
-            "body", "name", "points", "parts", "faces", "radius", "at", "link", "steady",
+            "body", "name", "points", "parts", "faces", "discs", "half", "radius", "at", "link", "steady",
         ])?;
         if number == 4096 || line.get("body")?.whole()? != number {
             return Stop::bad(format!("body {number} is expected, at most 4096"));
@@ -94,8 +100,25 @@ impl Scene {
             (None, None, Some(pose)) => (Motion::Rest(pose), false),
             _ => return Stop::bad("a body moves in one way: at, link, link and at, or at and steady"),
         };
-        let (points, most) = Points::read(line.get("points")?, pivot)?;
+        let half = line.find("half").map(HalfSpace::read).transpose()?;
+        if let Some(half) = &half {
+            line.only(&["body", "name", "half", "at", "link"])?;
+            if moves {
+                return Stop::bad("a half-space moves");
+            }
+            self.lengths(&[half.end]);
+        }
+        let origin = [Json::Text("0x0p0"), Json::Text("0x0p0"), Json::Text("0x0p0")];
+        let (points, most) = match half {
+            Some(_) => Points::read(&Json::Array(vec![Json::Array(origin.into())]), pivot)?,
+            None => Points::read(line.get("points")?, pivot)?,
+        };
         self.lengths(&most);
+        let discs = line.find("discs").map(|discs| Disc::read(discs, points.all.len()));
+        let discs = discs.transpose()?.unwrap_or_default();
+        for disc in &discs {
+            self.lengths(&[disc.radius]);
+        }
         let (faces, parts) = (line.find("faces"), line.find("parts"));
         let solid = faces.is_some();
         let parts = match faces.xor(parts) {
@@ -103,6 +126,9 @@ impl Scene {
             None if solid => return Stop::bad("a body has parts or faces, not both"),
             None => Vec::new(),
         };
+        if !discs.is_empty() && !parts.is_empty() {
+            return Stop::bad("a body has parts, faces or discs, not two of them");
+        }
         let radius = line.find("radius").map_or(Ok(Real::ZERO), Json::real)?;
         if radius < Real::ZERO {
             return Stop::bad("a negative radius");
@@ -113,6 +139,8 @@ impl Scene {
             points,
             parts,
             solid,
+            discs,
+            half,
             radius: radius.exact(),
             motion,
             moves,

@@ -1,0 +1,90 @@
+//! Half-spaces: floors and walls without end.
+//!
+//! **Lemma 14.** A half-space {x : n . x <= e} that rests at x -> R x + p is {x : (R n) . x <= e + (R n) . p} in the
+//! world. Along R n no point of it is higher than e + (R n) . p, so lemmas 3 and 9 hold with R n as the normal and
+//! this one height. The normal is that of the half-space, in fractions: any other plane meets the half-space.
+
+use dashu_ratio::RBig;
+
+use crate::Stop;
+use crate::disc::above;
+use crate::int::Int;
+use crate::json::Json;
+use crate::real::{Exact, Real, dot};
+use crate::scene::Scene;
+
+/// The points below a plane, in the frame of the body.
+#[derive(Debug)]
+pub(crate) struct HalfSpace {
+    pub(crate) normal: [Real; 3],
+    pub(crate) end: Real,
+}
+
+impl HalfSpace {
+    /// Reads `[VECTOR,REAL]`.
+    pub(crate) fn read(json: &Json) -> Result<Self, Stop> {
+        let [normal, end] = json.list::<2>()?;
+        let (normal, end) = (normal.reals::<3>()?, end.real()?);
+        match normal == [Real::ZERO; 3] {
+            true => Stop::bad("a half-space without a normal"),
+            false => Ok(Self { normal, end }),
+        }
+    }
+}
+
+/// The plane between a half-space and a body: the normal from A to B, and how high the half-space is.
+#[derive(Clone)]
+pub(crate) struct Floor {
+    /// Which of A and B the half-space is.
+    pub(crate) side: usize,
+    pub(crate) normal: Exact,
+    height: RBig,
+}
+
+impl Floor {
+    /// Returns the plane of a pair with a half-space, in the world or in the frame of link 0.
+    pub(crate) fn of_pair(scene: &Scene, pair: (usize, usize), in_base: bool) -> Result<Option<Self>, Stop> {
+        let bodies = [pair.0, pair.1];
+        let Some(side) = bodies.iter().position(|k| scene.bodies[*k].half.is_some()) else {
+            return Ok(None);
+        };
+        let Some(half) = &scene.bodies[bodies[side]].half else {
+            return Ok(None);
+        };
+        if scene.bodies[bodies[1 - side]].half.is_some() {
+            return Stop::fails(format!("{}: two half-spaces", scene.names(pair)));
+        }
+        let mut pose = scene.placed(bodies[side])?.pose;
+        if let Some(base) = scene.base.as_ref().filter(|_| in_base) {
+            pose = base.inverse().then(&pose);
+        }
+        let normal = half.normal.map(Real::exact);
+        let normal: Exact = std::array::from_fn(|k| dot(&pose.rows[k], &normal));
+        let height = half.end.exact() + dot(&normal, &pose.shift);
+        Ok(Some(match side {
+            0 => Self { side, normal, height },
+            _ => Self {
+                side,
+                normal: normal.map(|x| -x),
+                height: -height,
+            },
+        }))
+    }
+
+    /// Returns the height of the half-space along the normal, rounded away from it, in units of 2^-2P.
+    pub(crate) fn height<I: Int>(&self, unit: &RBig) -> Option<I> {
+        let height = &self.height * unit;
+        match self.side {
+            0 => above::<I>(&height)?.up(),
+            _ => I::small(0).sub(&above::<I>(&-height)?.up()?),
+        }
+    }
+}
+
+/// Refuses a line about a half-space that only bodies with an end can have.
+pub(crate) fn refuse(scene: &Scene, pair: (usize, usize)) -> Result<(), Stop> {
+    match scene.bodies[pair.0].half.is_some() || scene.bodies[pair.1].half.is_some() {
+        true => Stop::bad("a half-space has planes and cells as evidence alone"),
+        false => Ok(()),
+    }
+}
