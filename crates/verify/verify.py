@@ -1193,7 +1193,8 @@ class Check:
     def replace(self, other):
         """Takes scene and legs of another receipt, if the claim can be about it; the pairs ignored stay."""
         names = [[b.name for b in scene.bodies] for scene in (self.scene, other.scene)]
-        prove(names[0] == names[1], "another scene: the bodies are not the same")
+        same = next((k for k, (x, y) in enumerate(zip(*names)) if x != y), min(map(len, names)))
+        prove(names[0] == names[1], f"another scene: body {same} is not the same")
         try:
             of_scene(self, other.scene)
             for before, leg in zip([None, *other.legs], other.legs):

@@ -5,7 +5,7 @@ use lin_canny::impact::Tolerance;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{ContactState, Geometry, HalfSpace, PairTracker, RelativePose, Shape, Tracker};
+use lin_canny::{ContactState, Geometry, PairTracker, RelativePose, Shape, Tracker};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
     Cell, CellBody, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, PlanarSpace,
@@ -518,8 +518,7 @@ fn a_tree_with_attached_objects_and_margins_has_receipts() {
             .is_free();
         let receipt = match Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)) {
             Ok(receipt) => receipt,
-            // The polyhedron around a cylinder or a cone is larger than the body, and proves no
-            // contact.
+            // A cylinder or a cone has no points of a contact.
             Err(ReceiptError::Pair { a, b, why, .. }) if !is_free => {
                 assert!(a == "part" || b == "part" || b == "cone", "{a} {b}: {why}");
                 continue;
@@ -527,7 +526,7 @@ fn a_tree_with_attached_objects_and_margins_has_receipts() {
             Err(error) => panic!("{error} {from:?} {to:?}"),
         };
         let [text, _] = holds(&receipt);
-        assert!(text.contains("\"part (in a prism of 32 sides)\"") && text.contains("\"upper _arm_\""));
+        assert!(text.contains("\"discs\":[[0,") && text.contains("\"upper _arm_\""));
         assert!(text.contains("\"keep\":\"0x1.eb851eb851eb8p-6\"") || !is_free, "{text}");
         counts[usize::from(is_free)] += 1;
     }
@@ -612,8 +611,6 @@ fn what_has_no_receipt_is_an_error_with_a_name() {
             .unwrap_err()
             .to_string()
     };
-    let floor = HalfSpace::new(Vector3::z(), 0.0).expect("a plane");
-    assert!(refused(floor.into()).starts_with("body \"thing\" has no receipt: it is a half-space"));
     let egg = Shape::ellipsoid(Vector3::new(0.1, 0.2, 0.3)).expect("an egg");
     assert!(refused(egg.into()).starts_with("body \"thing\" has no receipt: it is a curved shape"));
 
@@ -632,12 +629,7 @@ fn what_has_no_receipt_is_an_error_with_a_name() {
             .is_free()
     );
     let error = Receipt::motion(&mut checker, &JointMotion::segment(&down, &up)).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .starts_with("die and table have no evidence from time 0.0"),
-        "{error}"
-    );
+    assert_eq!(error, ReceiptError::Nothing);
     let path = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [2.0, 0.0, 1.0]].map(Vec::from);
     let error = Receipt::motion(&mut checker, &JointMotion::path(&path).expect("a motion")).unwrap_err();
     assert!(

@@ -59,8 +59,10 @@ pub(super) fn meeting(
     let [x, y] = pair.map(|k| pose(&scene.steps(k, rows), now));
     let [first, second] = pair.map(|k| &scene.bodies[k]);
     let refused = |why: &'static str| missing(scene, pair, now, why);
-    if first.around.or(second.around).is_some() {
-        return Err(refused("a polyhedron around a curved body proves no contact"));
+    if first.has_no_points() || second.has_no_points() {
+        return Err(refused(
+            "a curved body, a half-space or what is around a body proves no contact",
+        ));
     }
     let relative = RelativePose::new(&x, &y).map_err(|_| refused("a pose is out of range"))?;
     let (groups, reach) = (

@@ -26,8 +26,10 @@ pub(super) fn distance(
 ) -> Result<String, ReceiptError> {
     let refused = |why: &'static str| missing(scene, pair, 0.0, why);
     let [a, b] = pair.map(|k| &scene.bodies[k]);
-    if a.around.or(b.around).is_some() {
-        return Err(refused("a polyhedron around a curved body proves no distance"));
+    if a.has_no_points() || b.has_no_points() {
+        return Err(refused(
+            "a curved body, a half-space or what is around a body proves no distance",
+        ));
     }
     if !a.parts.is_empty() || !b.parts.is_empty() {
         return of_parts(scene, pair, poses, relative, bounds).map_err(refused);

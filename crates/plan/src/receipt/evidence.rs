@@ -12,16 +12,16 @@
 
 use nalgebra::Vector3;
 
-use super::groups::{Group, Groups};
+use super::groups::{Group, Groups, direction};
 use super::number::{hex, hexes, rounded};
 use super::scene::{Body, Scene};
-use super::taylor::{Step, constant, dot, heights, least, place, pose};
+use super::stated::Disc;
+use super::taylor::{Moving, Step, TERMS, constant, cross, dot, heights, least, place, pose};
 use crate::extremes::Extremes;
 use crate::tolerance::RECEIPT;
+use lin_canny::RelativePose;
 use lin_canny::impact::Certificate;
-use lin_canny::polyhedron::ConvexPolyhedron;
 use lin_canny::separation::Proof;
-use lin_canny::{ContactState, RelativePose, Tracker};
 
 /// Greatest number of halvings of a certificate.
 const HALVINGS: u32 = 24;
@@ -51,9 +51,11 @@ impl<'a> Mover<'a> {
         let points: Vec<Vector3<f64>> = body.points.iter().map(|p| p.coords).collect();
         let centre = body.centre();
         let squares = points.iter().map(|p| (p - centre).norm_squared());
+        // As a checker sees it: a disc is in a ball about its centre.
+        let wider = body.discs.iter().map(|disc| disc.radius).fold(0.0, f64::larger);
         Self {
             steps,
-            reach: squares.fold(0.0, f64::larger).sqrt(),
+            reach: squares.fold(0.0, f64::larger).sqrt() + wider,
             most: points
                 .iter()
                 .fold(Vector3::zeros(), |most, p| most.zip_map(&p.abs(), f64::larger)),
@@ -99,6 +101,11 @@ pub(super) struct PairJudge<'a> {
 impl PairJudge<'_> {
     /// Returns the evidence of the pair for an interval, given the library's certificates of it.
     pub(super) fn evidence(&self, span: [f64; 2], certificates: &[Certificate]) -> Result<Evidence, Missing> {
+        if let Some(normal) = self.floor_normal() {
+            let mut pieces = Vec::new();
+            self.above_floor(&normal, span, HALVINGS, &mut pieces)?;
+            return Ok(Evidence::Pieces(pieces));
+        }
         match self.of_hulls(span, certificates) {
             Err(_) if self.has_parts() => Ok(Evidence::Pieces(self.by_parts(span)?)),
             found => found,
@@ -141,6 +148,33 @@ impl PairJudge<'_> {
         Ok(Evidence::Pieces(pieces))
     }
 
+    /// Returns the normal of a half-space at rest, from A to B in the world, if the pair has one.
+    fn floor_normal(&self) -> Option<Vector3<f64>> {
+        let of = |mover: &Mover<'_>| Some(pose(&mover.steps, 0.0).rotation * mover.body.half?.0);
+        of(self.a).or_else(|| of(self.b).map(|normal| -normal))
+    }
+
+    /// Appends planes of a half-space, halved until the bound is tight enough.
+    fn above_floor(
+        &self,
+        normal: &Vector3<f64>,
+        [from, until]: [f64; 2],
+        left: u32,
+        pieces: &mut Vec<Piece>,
+    ) -> Result<(), Missing> {
+        if self.by_plane(None, normal, &Vector3::zeros(), [from, until], self.kept(self.keep)) {
+            pieces.push(Piece::new([from, until], Proof::Own));
+            return Ok(());
+        }
+        let middle = 0.5 * from + 0.5 * until;
+        if left == 0 || !(from < middle && middle < until) {
+            let why = "the half-space is not below by more than rounding";
+            return Err(Missing { from, until, why });
+        }
+        self.above_floor(normal, [from, middle], left - 1, pieces)?;
+        self.above_floor(normal, [middle, until], left - 1, pieces)
+    }
+
     /// Appends evidence for a piece, halved if it is too long for the bounds of a checker.
     fn halve(&self, piece: Piece, left: u32, pieces: &mut Vec<Piece>) -> Result<(), Missing> {
         let Piece { from, until, proof, .. } = piece;
@@ -180,19 +214,15 @@ impl PairJudge<'_> {
 
     /// Returns the direction between the closest points at a time, from A to B, in the world.
     fn measured(&self, time: f64) -> Option<Vector3<f64>> {
-        self.direction([&self.a.body.hull, &self.b.body.hull], time)
+        let [x, y] = [self.a, self.b].map(|mover| mover.groups.get(mover.groups.all()));
+        self.between([&*x?, &*y?], time)
     }
 
     /// Returns the direction between two groups of parts at a time.
     pub(super) fn between(&self, groups: [&Group; 2], time: f64) -> Option<Vector3<f64>> {
-        self.direction(groups.map(|group| &*group.hull), time)
-    }
-
-    fn direction(&self, hulls: [&ConvexPolyhedron; 2], time: f64) -> Option<Vector3<f64>> {
         let [x, y] = [self.a, self.b].map(|mover| pose(&mover.steps, time));
         let relative = RelativePose::new(&x, &y).ok()?;
-        let seen = Tracker::new().closest(hulls[0], hulls[1], &relative);
-        (seen.state == ContactState::Separated).then(|| x.rotation * seen.normal.into_inner())
+        Some(x.rotation * direction(groups, &relative)?.0)
     }
 
     /// Returns whether the balls stay apart, as a checker sees it.
@@ -249,8 +279,8 @@ impl PairJudge<'_> {
         kept: f64,
     ) -> bool {
         let [a, b] = match groups {
-            Some([x, y]) => [&x.vertices, &y.vertices],
-            None => [&self.a.points, &self.b.points],
+            Some([x, y]) => [(&x.vertices, &x.discs), (&y.vertices, &y.discs)],
+            None => [self.a, self.b].map(|mover| (&mover.points, &mover.body.discs)),
         };
         let span = until - from;
         let mut direction = constant(normal);
@@ -261,21 +291,41 @@ impl PairJudge<'_> {
             };
             direction = place(&[turn], normal, 0.0, span);
         }
-        let [high, low] = [(self.a, a, 1.0), (self.b, b, -1.0)].map(|(mover, points, sign)| {
+        let [high, low] = [(self.a, a, 1.0), (self.b, b, -1.0)].map(|(mover, (points, discs), sign)| {
+            if let Some((_, offset)) = mover.body.half {
+                let at = pose(&mover.steps, from).translation.vector;
+                // The normal is that of the half-space, towards the other body.
+                return [offset + sign * normal.dot(&at); TERMS];
+            }
             let (m, o) = heights(&mover.steps, &direction, from, span);
             let (nets, base) = (m.each_ref().map(|part| part.net()), o.net());
             let off = o.rest + (0..3).map(|k| m[k].rest * mover.most[k]).sum::<f64>();
-            base.into_iter().enumerate().map(move |(k, base)| {
+            let wide: Vec<_> = discs.iter().map(|disc| (disc.at, half_heights(disc, &m))).collect();
+            core::array::from_fn(|k| {
                 let slope = Vector3::new(nets[0][k], nets[1][k], nets[2][k]) * sign;
                 let highest = points.iter().map(|p| slope.dot(p));
-                highest.fold(f64::NEG_INFINITY, f64::larger) + sign * base + off
+                let highest = highest.chain(wide.iter().map(|(p, half)| slope.dot(p) + half[k]));
+                highest.fold(f64::NEG_INFINITY, f64::larger) + sign * base[k] + off
             })
         });
         let length = normal.norm();
         let enough = (kept + RECEIPT * self.size) * length;
-        high.zip(low).all(|(high, low)| -low - high > enough)
+        high.iter().zip(low).all(|(high, low)| -low - high > enough)
     }
 }
+
+/// Returns Bernstein coefficients of a polynomial that is no less than the half height of a disc, as a
+/// checker sees it: lemma 13 there.
+fn half_heights(disc: &Disc, m: &Moving) -> [f64; TERMS] {
+    let way = cross(m, &constant(&disc.axis));
+    let square = dot(&way, &way);
+    let net = square.net().map(|c| c + square.rest);
+    let s = net.iter().copied().fold(TINY, f64::larger).sqrt();
+    net.map(|c| disc.radius * (c + s * s) / (2.0 * s))
+}
+
+/// The least square of a length in [`half_heights`], so that the division is by more than zero.
+const TINY: f64 = 1e-30;
 
 /// Returns the proof of a certificate from a later time on.
 fn proof_from(certificate: &Certificate, from: f64) -> Proof {
@@ -310,6 +360,8 @@ impl Piece {
                 };
                 format!("{{\"plane\":[{a},{b}],\"normal\":{}{spin}", hexes(normal.as_slice()))
             }
+            // Of a half-space, whose normal is known.
+            Proof::Own => format!("{{\"plane\":[{a},{b}]"),
             _ => format!("{{\"balls\":[{a},[{b}]]"),
         };
         for (key, value, head) in [

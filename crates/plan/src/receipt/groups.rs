@@ -8,10 +8,10 @@ use std::sync::Arc;
 use nalgebra::{Point3, Vector3};
 
 use super::scene::Body;
-use super::stated::{half, hull_of};
+use super::stated::{Disc, half, hull_of};
 use crate::extremes::Extremes;
 use lin_canny::polyhedron::ConvexPolyhedron;
-use lin_canny::{RelativePose, Tracker};
+use lin_canny::{ContactState, Geometry, PairTracker, RelativePose, Tracker};
 
 /// Some parts of a body: their hull, and which point of the body each of its vertices is.
 #[derive(Debug)]
@@ -19,6 +19,9 @@ pub(super) struct Group {
     pub(super) hull: Arc<ConvexPolyhedron>,
     pub(super) points: Vec<usize>,
     pub(super) vertices: Vec<Vector3<f64>>,
+    pub(super) discs: Vec<Disc>,
+    /// The body itself, if it is not the hull.
+    curved: Option<Geometry>,
     /// Diagonal of the box.
     pub(super) size: f64,
 }
@@ -26,7 +29,12 @@ pub(super) struct Group {
 impl Group {
     fn new(body: &Body, [low, high]: [usize; 2]) -> Option<Self> {
         if body.parts.is_empty() {
-            return Self::of_hull(body.hull.clone(), (0..body.points.len()).collect());
+            let all = Self::of_hull(body.hull.clone(), (0..body.points.len()).collect());
+            return all.map(|all| Self {
+                discs: body.discs.clone(),
+                curved: body.curved.clone(),
+                ..all
+            });
         }
         let mut named: Vec<usize> = body.parts.get(low..high)?.iter().flatten().copied().collect();
         named.sort_unstable();
@@ -52,9 +60,28 @@ impl Group {
             hull,
             points,
             vertices,
+            discs: Vec::new(),
+            curved: None,
             size: (high - low).norm(),
         })
     }
+}
+
+/// Returns the unit direction from the closest point of A to that of B in the frame of A, and an upper bound
+/// of the distance, if they are apart.
+pub(super) fn direction([a, b]: [&Group; 2], relative: &RelativePose) -> Option<(Vector3<f64>, f64)> {
+    let seen = match (&a.curved, &b.curved) {
+        (None, None) => Tracker::new().closest(&a.hull, &b.hull, relative),
+        _ => {
+            let whole = |of: &Group| {
+                of.curved
+                    .clone()
+                    .unwrap_or_else(|| Geometry::Polyhedron(of.hull.clone()))
+            };
+            PairTracker::new().closest(&whole(a), &whole(b), relative).outcome
+        }
+    };
+    (seen.state == ContactState::Separated).then(|| (seen.normal.into_inner(), seen.upper))
 }
 
 /// The groups of a body that were made already.

@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::error::ReceiptError;
-use super::groups::{Group, Groups};
+use super::groups::{Group, Groups, direction};
 use super::number::{hex, hexes, rounded};
 use super::scene::{Ignored, Scene, Way};
 use super::segment::{EXCLUDED, Stated};
-use super::stated::half;
+use super::stated::{Disc, SIDES, half};
 use super::{Claim, Leg, Receipt};
 use crate::check::checker::Checker;
 use crate::error::PlanError;
@@ -26,8 +26,8 @@ use crate::motion::space::ConfigurationSpace;
 use crate::names::CellPair;
 use crate::range::{RangeAnswer, RangeVerdict};
 use crate::tolerance::RECEIPT;
+use lin_canny::RelativePose;
 use lin_canny::motion::Velocity;
-use lin_canny::{ContactState, RelativePose, Tracker};
 
 /// Bits of the components of planes, few first.
 const BITS: [u32; 3] = [6, 12, 20];
@@ -82,7 +82,7 @@ impl Receipt {
         }
         let [low, high] = [0, 1].map(|k| range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
         let segment = checker.segment(&low, &high)?;
-        let mut stated = Stated::new(checker, &segment)?;
+        let mut stated = Stated::new(checker, &segment, SIDES[0])?;
         let known: BTreeMap<CellPair, &RangeAnswer> = answers.iter().map(|answer| (answer.pair, answer)).collect();
         let excluded = |ignored: &Ignored| ignored.why == EXCLUDED;
         let (others, rigid): (Vec<_>, Vec<_>) = core::mem::take(&mut stated.scene.ignored)
@@ -166,6 +166,7 @@ struct Side {
     round: f64,
     link: Option<usize>,
     own: Isometry3<f64>,
+    half: Option<(Vector3<f64>, f64)>,
 }
 
 /// A range that is divided for a pair.
@@ -192,6 +193,10 @@ impl Divided<'_> {
         }
         on.sort_unstable();
         on.dedup();
+        if sides.iter().any(|side| side.half.is_some()) {
+            // The plane of a half-space is in the frame of the base.
+            on.truncate(1);
+        }
         let links = on
             .into_iter()
             .map(|link| (link, [0, 1].map(|k| hops(scene, &sides[k], link))));
@@ -279,19 +284,24 @@ impl Divided<'_> {
         // In the frame of link 0, the first of the list.
         let [x, y] = [0, 1].map(|k| pose(&self.links[0].1[k], &middle));
         let relative = RelativePose::new(&x, &y).ok()?;
-        let seen = Tracker::new().closest(&groups[0].hull, &groups[1].hull, &relative);
-        if seen.state != ContactState::Separated || !(seen.upper > self.kept) {
-            return None;
-        }
-        let normal = x.rotation * seen.normal.into_inner();
+        let floor = (0..2).find_map(|k| Some((k, self.sides[k].half?.0)));
+        let normal = match floor {
+            Some((0, normal)) => x.rotation * normal,
+            Some((_, normal)) => y.rotation * -normal,
+            None => {
+                let (normal, upper) = direction(groups, &relative)?;
+                if !(upper > self.kept) {
+                    return None;
+                }
+                x.rotation * normal
+            }
+        };
         let mut best: Option<(f64, usize, Vector3<f64>)> = None;
         for (link, steps) in &self.links {
             let at = pose(&hops_of_link(self.scene, *link), &middle);
             let n = at.rotation * normal;
-            let [high, low] = [0, 1].map(|k| {
-                let points = &groups[k].vertices;
-                self.sides[k].height(points, &steps[k], [0.0, 1.0][k], &n, &middle, &half, ways)
-            });
+            let [high, low] =
+                [0, 1].map(|k| self.sides[k].height(groups[k], &steps[k], [0.0, 1.0][k], &n, &middle, &half, ways));
             let gap = -low - high;
             if best.is_none_or(|best| gap > best.0) {
                 best = Some((gap, *link, n));
@@ -301,13 +311,14 @@ impl Divided<'_> {
         if !(gap > (self.kept + self.room) * n.norm()) {
             return Some(Err(()));
         }
+        if floor.is_some() {
+            return Some(Ok(String::new()));
+        }
         let steps = self.links.iter().find(|one| one.0 == link).map(|one| &one.1)?;
         let few = BITS.iter().map(|bits| rounded(&n, *bits)).find(|n| {
             let mut none = vec![0.0; half.len()];
-            let [high, low] = [0, 1].map(|k| {
-                let points = &groups[k].vertices;
-                self.sides[k].height(points, &steps[k], [0.0, 1.0][k], n, &middle, &half, &mut none)
-            });
+            let [high, low] =
+                [0, 1].map(|k| self.sides[k].height(groups[k], &steps[k], [0.0, 1.0][k], n, &middle, &half, &mut none));
             -low - high > (self.kept + self.room) * n.norm()
         });
         let normal = hexes(few.unwrap_or(n).as_slice());
@@ -324,7 +335,8 @@ impl Side {
             [low.zip_map(p, f64::smaller), high.zip_map(p, f64::larger)]
         });
         let middle = 0.5 * low + 0.5 * high;
-        let round = points.iter().map(|p| (p - middle).norm()).fold(0.0, f64::larger);
+        let wider = body.discs.iter().map(|disc| disc.radius).fold(0.0, f64::larger);
+        let round = points.iter().map(|p| (p - middle).norm()).fold(0.0, f64::larger) + wider;
         let (link, own) = match &body.way {
             Way::Rests(at) => (None, *at),
             Way::Link(link, at) => (Some(*link), at.unwrap_or_default()),
@@ -335,6 +347,7 @@ impl Side {
             round,
             link,
             own,
+            half: body.half,
         }
     }
 
@@ -343,7 +356,7 @@ impl Side {
     #[allow(clippy::too_many_arguments)] // the numbers of the lemma
     fn height(
         &self,
-        points: &[Vector3<f64>],
+        group: &Group,
         hops: &[(Hop, f64)],
         sign: f64,
         n: &Vector3<f64>,
@@ -352,6 +365,9 @@ impl Side {
         ways: &mut [f64],
     ) -> f64 {
         let n = if sign > 0.0 { -n } else { *n };
+        if let Some((_, offset)) = self.half {
+            return offset + n.dot(&pose(hops, middle).translation.vector);
+        }
         let (mut x, mut moved, mut rest) = (self.middle, 0.0, 0.0);
         for (hop, offset) in hops {
             if let Hop::Joint {
@@ -404,11 +420,16 @@ impl Side {
                 }
             }
         }
-        let height = |p: &Vector3<f64>| {
-            let slopes = rows[1..].iter().map(|(c, m, o)| half[*c] * (m.dot(p) + o).abs());
-            rows[0].1.dot(p) + rows[0].2 + slopes.sum::<f64>()
+        let height = |p: &Vector3<f64>, disc: Option<&Disc>| {
+            let wider = |m| disc.map_or(0.0, |disc| disc.half_height(m));
+            let slopes = rows[1..]
+                .iter()
+                .map(|(c, m, o)| half[*c] * ((m.dot(p) + o).abs() + wider(m)));
+            rows[0].1.dot(p) + rows[0].2 + wider(&rows[0].1) + slopes.sum::<f64>()
         };
-        let most = points.iter().map(height).fold(f64::NEG_INFINITY, f64::larger);
+        let points = group.vertices.iter().map(|p| height(p, None));
+        let discs = group.discs.iter().map(|disc| height(&disc.at, Some(disc)));
+        let most = points.chain(discs).fold(f64::NEG_INFINITY, f64::larger);
         most + n.norm() * rest
     }
 }

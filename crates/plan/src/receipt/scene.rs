@@ -8,18 +8,17 @@ use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 use super::error::ReceiptError;
 use super::number::{hex, hexes};
-use super::stated::StatedHull;
-use super::stated::{StatedParts, hull_of};
+use super::stated::{Disc, StatedHull, StatedParts, hull_of};
 use super::taylor::Step;
 use crate::motion::joint::JointKind;
 use crate::motion::joint::TreeJoint;
 use crate::motion::space::JointPath;
-use lin_canny::Geometry;
 use lin_canny::motion::{Motion, Steady, Velocity};
 use lin_canny::polyhedron::ConvexPolyhedron;
+use lin_canny::{Compound, Geometry};
 
 /// Greatest number of vertices of a body.
-const VERTICES: usize = 65_536;
+const VERTICES: usize = 1 << 18;
 
 /// Greatest number of parts of a body.
 const PARTS: usize = 1 << 18;
@@ -54,9 +53,15 @@ pub(super) struct Body {
     pub(super) is_solid: bool,
     /// The hull of the points; of a body without parts it has the same points.
     pub(super) hull: Arc<ConvexPolyhedron>,
+    /// The discs at the ends of a cylinder or a cone.
+    pub(super) discs: Vec<Disc>,
+    /// Normal and offset of a half-space; its only point is the origin.
+    pub(super) half: Option<(Vector3<f64>, f64)>,
+    /// The body itself, if it is not the hull of its points.
+    pub(super) curved: Option<Geometry>,
     pub(super) radius: f64,
-    /// What the polyhedron is, if it is larger than the body.
-    pub(super) around: Option<&'static str>,
+    /// What the parts are, if they are larger than the body.
+    pub(super) around: Option<String>,
     pub(super) way: Way,
 }
 
@@ -81,45 +86,51 @@ pub(super) struct SteadyWay {
 }
 
 impl Body {
-    pub(super) fn new(name: &str, geometry: &Geometry, way: Way) -> Result<Self, ReceiptError> {
+    /// States a body. Curved pieces of a compound get polyhedra of so many sides.
+    pub(super) fn new(name: &str, geometry: &Geometry, way: Way, sides: usize) -> Result<Self, ReceiptError> {
         let refused = || ReceiptError::Body {
             name: name.into(),
             kind: geometry.kind(),
         };
-        let parts = match geometry {
-            Geometry::Mesh(mesh) => Some(StatedParts::of_mesh(mesh)),
-            Geometry::Compound(compound) => Some(StatedParts::of_compound(compound).ok_or_else(refused)?),
-            _ => None,
+        let of_pieces = |compound: &Compound| StatedParts::of_compound(compound, sides).ok_or_else(refused);
+        let mut body = Self {
+            name: name.into(),
+            points: vec![Point3::origin()],
+            parts: Vec::new(),
+            is_solid: false,
+            hull: Arc::new(ConvexPolyhedron::point(Point3::origin()).map_err(|_| refused())?),
+            discs: Vec::new(),
+            half: None,
+            curved: None,
+            radius: 0.0,
+            around: None,
+            way,
         };
-        let stated = match parts {
-            Some(parts) => parts,
-            None => {
-                let StatedHull { hull, radius, around } = StatedHull::new(geometry).ok_or_else(refused)?;
-                let body = Self {
-                    name: name.into(),
-                    points: hull.vertex_points().collect(),
-                    parts: Vec::new(),
-                    is_solid: false,
-                    hull,
-                    radius,
-                    around,
-                    way,
-                };
+        let stated = match geometry {
+            Geometry::HalfSpace(half) => {
+                body.half = Some((half.normal().into_inner(), half.offset()));
+                return Ok(body);
+            }
+            Geometry::Mesh(mesh) => StatedParts::of_mesh(mesh),
+            Geometry::Compound(compound) => of_pieces(compound)?,
+            Geometry::Cloud(cloud) => of_pieces(&cloud.to_compound().map_err(|_| refused())?)?,
+            _ => {
+                let StatedHull { hull, discs, radius } = StatedHull::new(geometry).ok_or_else(refused)?;
+                body.points = hull.vertex_points().collect();
+                body.curved = (!discs.is_empty()).then(|| geometry.clone());
+                (body.hull, body.discs, body.radius) = (hull, discs, radius);
                 return body.checked();
             }
         };
-        let hull = hull_of(&stated.points).ok_or_else(refused)?;
-        let body = Self {
-            name: name.into(),
-            points: stated.points,
-            parts: stated.parts,
-            is_solid: stated.is_solid,
-            hull: Arc::new(hull),
-            radius: stated.radius,
-            around: stated.around,
-            way,
-        };
+        body.hull = Arc::new(hull_of(&stated.points).ok_or_else(refused)?);
+        (body.points, body.parts, body.is_solid) = (stated.points, stated.parts, stated.is_solid);
+        (body.radius, body.around) = (stated.radius, stated.around);
         body.checked()
+    }
+
+    /// Returns why a line names points of the body as a contact or a distance of it, if they are none.
+    pub(super) fn has_no_points(&self) -> bool {
+        self.around.is_some() || self.curved.is_some() || self.half.is_some()
     }
 
     /// Refuses a body with too many points or parts.
@@ -145,7 +156,7 @@ impl Body {
 
     /// Returns the name, and what the polyhedron is if it is larger than the body.
     fn shown(&self) -> String {
-        match self.around {
+        match &self.around {
             Some(around) => format!("{} ({around})", self.name),
             None => self.name.clone(),
         }
@@ -154,11 +165,19 @@ impl Body {
     fn line(&self, number: usize) -> String {
         let points = self.points.iter().map(|p| hexes(p.coords.as_slice()));
         let points: Vec<String> = points.collect();
-        let mut text = format!(
-            "{{\"body\":{number},\"name\":\"{}\",\"points\":[{}]",
-            plain(&self.shown()),
-            points.join(",")
-        );
+        let form = match &self.half {
+            Some((normal, offset)) => format!("\"half\":[{},\"{}\"]", hexes(normal.as_slice()), hex(*offset)),
+            None => format!("\"points\":[{}]", points.join(",")),
+        };
+        let mut text = format!("{{\"body\":{number},\"name\":\"{}\",{form}", plain(&self.shown()));
+        if !self.discs.is_empty() {
+            let disc = |disc: &Disc| {
+                let axis = hexes(disc.axis.as_slice());
+                format!("[{},{axis},\"{}\"]", disc.centre, hex(disc.radius))
+            };
+            let discs: Vec<String> = self.discs.iter().map(disc).collect();
+            text += &format!(",\"discs\":[{}]", discs.join(","));
+        }
         if !self.parts.is_empty() {
             let parts: Vec<String> = self.parts.iter().map(|part| list(part)).collect();
             let key = if self.is_solid { "faces" } else { "parts" };
@@ -334,6 +353,8 @@ impl Scene {
             .for_each(|joint| take(&joint.origin.translation.vector));
         for body in &self.bodies {
             body.points.iter().for_each(|p| take(&p.coords));
+            body.discs.iter().for_each(|disc| take(&Vector3::repeat(disc.radius)));
+            body.half.iter().for_each(|half| take(&Vector3::repeat(half.1)));
             match &body.way {
                 Way::Rests(at) | Way::Link(_, Some(at)) => take(&at.translation.vector),
                 Way::Steady(way) => take(&way.at.translation.vector),

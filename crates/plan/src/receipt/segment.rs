@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 
 use nalgebra::Isometry3;
 
-use super::contact::contact;
+use super::contact::{contact, meeting};
 use super::error::ReceiptError;
 use super::scene::{Body, Ignored, Scene, SteadyWay, Way};
+use super::stated::SIDES;
 use super::{Claim, Leg, Receipt, Wanted, apart};
 use crate::check::certify::{Certified, CertifyOptions, PairProof};
 use crate::check::checker::Checker;
-use crate::check::verdict::Verdict;
+use crate::check::verdict::{LeavingPair, Verdict};
 use crate::extremes::Extremes;
 use crate::motion::joint_motion::{JointMotion, Tube};
 use crate::motion::space::{ConfigurationSpace, SegmentMotion};
@@ -20,6 +21,9 @@ use lin_canny::Geometry;
 /// The reasons of pairs that are not looked at.
 pub(super) const EXCLUDED: &str = "excluded";
 const RIGID: &str = "the bodies keep their relative pose";
+/// Part of the time up to a contact that is proven if the whole is not.
+const LITTLE_LESS: f64 = 1.0 - 1.0 / 1024.0;
+const LEAVING: &str = "in contact at the start, which was accepted";
 
 /// The bodies of a cell in a receipt.
 pub(super) struct Stated {
@@ -81,44 +85,85 @@ impl Receipt {
     /// ([`ReceiptError::Blocked`]); if it has several pieces in a space of a rigid body, where each
     /// piece needs a separate receipt; if an obstacle moves; if a body or the motion has no receipt
     /// ([module](crate::receipt)); or if a pair has no evidence that a checker would accept, for
-    /// example because the pair is in contact at the start.
+    /// example because no plane separates it by more than rounding. A pair whose contact at the start was accepted
+    /// is listed as not looked at.
     pub fn certified<C: ConfigurationSpace>(
         checker: &Checker<C>,
         motion: &JointMotion,
         found: &Certified,
     ) -> Result<Self, ReceiptError> {
-        let stated = Stated::of_motion(checker, motion)?;
-        let (until, blocked) = match found.verdict {
-            Verdict::Free { .. } => (1.0, None),
+        let (until, blocked, leaving) = match &found.verdict {
+            Verdict::Free { start_contacts, .. } => (1.0, None, start_contacts),
             Verdict::Blocked { piece, .. } if motion.pieces() > 1 => {
-                return Err(ReceiptError::Blocked { piece });
+                return Err(ReceiptError::Blocked { piece: *piece });
             }
             Verdict::Blocked {
                 free_until,
                 contact_at,
                 pair,
+                start_contacts,
                 ..
-            } => (free_until, Some((contact_at, pair))),
-            Verdict::Undecided { free_until: time, .. } => return Err(ReceiptError::Undecided { time }),
+            } => (*free_until, Some((*contact_at, *pair)), start_contacts),
+            Verdict::Undecided { free_until, .. } => return Err(ReceiptError::Undecided { time: *free_until }),
         };
+        let mut receipt = Err(ReceiptError::Nothing);
+        for sides in SIDES {
+            let mut stated = Stated::of_motion(checker, motion, sides)?;
+            stated.leave_out(leaving);
+            let has_sides = stated.scene.bodies.iter().any(|body| body.around.is_some());
+            // Close to a contact the evidence may be within rounding: then it ends earlier.
+            for part in [1.0, LITTLE_LESS, 0.5, 0.0] {
+                receipt = Self::proven(checker, motion, found, &stated, part * until, blocked);
+                if blocked.is_none() || !matches!(receipt, Err(ReceiptError::Pair { .. })) {
+                    break;
+                }
+            }
+            // Polyhedra around curved pieces may be too large for the evidence.
+            if !(has_sides && matches!(receipt, Err(ReceiptError::Pair { .. }))) {
+                break;
+            }
+        }
+        receipt
+    }
+
+    /// Writes the evidence of a motion that is free until a time, and blocked by a pair at a later one.
+    fn proven<C: ConfigurationSpace>(
+        checker: &Checker<C>,
+        motion: &JointMotion,
+        found: &Certified,
+        stated: &Stated,
+        until: f64,
+        blocked: Option<(f64, CellPair)>,
+    ) -> Result<Self, ReceiptError> {
         let margin = stated.margin;
-        let is_at_start = blocked.is_some_and(|(at, _)| !(until > 0.0) || at == 0.0);
+        // Without a pair that moves, nothing is claimed of the time before a contact.
+        let is_at_start = stated.pairs.is_empty() || blocked.is_some_and(|(at, _)| !(until > 0.0) || at == 0.0);
+        if is_at_start && blocked.is_none() {
+            return Err(ReceiptError::Nothing);
+        }
+        stated.check_legs(motion.pieces())?;
         let mut legs = Vec::new();
         for k in 0..motion.pieces() {
             let mut leg = Leg {
                 rows: stated.scene.is_driven().then(|| motion.control_points(k)),
                 evidence: Vec::new(),
             };
+            let mut line = None;
+            if let Some((hit, pair)) = blocked {
+                let numbers = stated.numbers(pair);
+                let kept = checker.cell.kept_distance(pair);
+                let moves = numbers.iter().any(|k| stated.scene.moves(*k));
+                line = Some(match moves {
+                    true => contact(&stated.scene, leg.rows(), numbers, [until, hit], 1.0, kept)?,
+                    // A pair at rest meets at no time in particular.
+                    false => meeting(&stated.scene, leg.rows(), numbers, None, kept)?,
+                });
+            }
             if !is_at_start {
                 let proofs = found.proofs.get(k).map_or(&[][..], Vec::as_slice);
                 leg.evidence = stated.evidence(leg.rows(), until, proofs)?;
             }
-            if let Some((hit, pair)) = blocked {
-                let numbers = stated.numbers(pair);
-                let kept = checker.cell.kept_distance(pair);
-                let line = contact(&stated.scene, leg.rows(), numbers, [until, hit], 1.0, kept)?;
-                leg.evidence.push(line);
-            }
+            leg.evidence.extend(line);
             legs.push(leg);
         }
         let span = [0.0, until];
@@ -129,7 +174,7 @@ impl Receipt {
                 Claim::Apart { span, margin }
             },
             files: Vec::new(),
-            scene: stated.scene,
+            scene: stated.scene.clone(),
             legs,
         })
     }
@@ -140,7 +185,8 @@ impl Receipt {
     /// # Errors
     /// Returns an error as [`certified`](Self::certified) does, but for verdicts.
     pub fn scene<C: ConfigurationSpace>(checker: &Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
-        let stated = Stated::of_motion(checker, motion)?;
+        let stated = Stated::of_motion(checker, motion, SIDES[0])?;
+        stated.check_legs(motion.pieces())?;
         let legs = match stated.scene.is_driven() {
             true => motion.pieces(),
             false => 0,
@@ -165,25 +211,29 @@ impl Leg {
 }
 
 impl Stated {
-    pub(super) fn new<C: ConfigurationSpace>(checker: &Checker<C>, segment: &C::Segment) -> Result<Self, ReceiptError> {
+    pub(super) fn new<C: ConfigurationSpace>(
+        checker: &Checker<C>,
+        segment: &C::Segment,
+        sides: usize,
+    ) -> Result<Self, ReceiptError> {
         let cell = &checker.cell;
         let (mut scene, mut ids) = (Scene::default(), Vec::new());
         let identity = Isometry3::identity();
         for (k, (name, geometry)) in cell.robot_bodies().enumerate() {
-            add(&mut scene, checker, segment, (name, geometry), k, &identity)?;
+            add(&mut scene, checker, segment, (name, geometry), k, &identity, sides)?;
             ids.push(CellBody::Robot(k));
         }
         for (id, object) in cell.attached() {
             let body = cell.body_of(object.frame);
             let named = (object.name.as_str(), &object.geometry);
-            add(&mut scene, checker, segment, named, body, &object.pose)?;
+            add(&mut scene, checker, segment, named, body, &object.pose, sides)?;
             ids.push(id);
         }
         for (k, obstacle) in cell.obstacles.iter().enumerate() {
             let Some((name, geometry, pose)) = obstacle else {
                 continue;
             };
-            scene.bodies.push(Body::new(name, geometry, Way::Rests(*pose))?);
+            scene.bodies.push(Body::new(name, geometry, Way::Rests(*pose), sides)?);
             ids.push(CellBody::Obstacle(k));
         }
         scene.settle();
@@ -198,28 +248,31 @@ impl Stated {
     }
 
     /// Returns the bodies of a motion.
-    fn of_motion<C: ConfigurationSpace>(checker: &Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
+    fn of_motion<C: ConfigurationSpace>(
+        checker: &Checker<C>,
+        motion: &JointMotion,
+        sides: usize,
+    ) -> Result<Self, ReceiptError> {
         if motion.tube != Tube::None {
             return Err(ReceiptError::Tube);
         }
         checker.cell.check_at_rest()?;
         let first = checker.moved(motion, 0)?;
-        Self::new(checker, &first)?.of_several(motion.pieces())
+        Self::new(checker, &first, sides)
     }
 
     /// Refuses several legs of bodies whose motion is stated once, as that along the first.
-    fn of_several(self, legs: usize) -> Result<Self, ReceiptError> {
-        let stated = self;
+    fn check_legs(&self, legs: usize) -> Result<(), ReceiptError> {
         let is_steady = |body: &&Body| matches!(body.way, Way::Steady(_));
-        let steady = stated.scene.bodies.iter().find(is_steady);
-        if legs > 1 && (steady.is_some() || !stated.scene.is_driven()) {
-            let body = steady.or(stated.scene.bodies.first());
+        let steady = self.scene.bodies.iter().find(is_steady);
+        if legs > 1 && (steady.is_some() || !self.scene.is_driven()) {
+            let body = steady.or(self.scene.bodies.first());
             return Err(ReceiptError::Motion {
                 name: body.map_or(String::new(), |body| body.name.clone()),
                 why: "no joint moves it, so each segment needs a separate receipt",
             });
         }
-        Ok(stated)
+        Ok(())
     }
 
     /// Sorts the pairs into those that must have evidence and those that are not looked at.
@@ -241,10 +294,26 @@ impl Stated {
                 self.scene.ignored.push(Ignored { pair: [a, b], why });
             }
         }
+        self.margin = self.least().unwrap_or(self.margin);
+    }
+
+    /// Returns the least distance that a pair must keep.
+    fn least(&self) -> Option<f64> {
         let least = self.pairs.iter().map(|pair| pair.1).fold(f64::INFINITY, f64::smaller);
-        if least.is_finite() {
-            self.margin = least;
+        least.is_finite().then_some(least)
+    }
+
+    /// Leaves out the pairs whose contact at the start was accepted.
+    fn leave_out(&mut self, leaving: &[LeavingPair]) {
+        for contact in leaving {
+            let pair = self.numbers(contact.pair);
+            if let Some(place) = self.pairs.iter().position(|one| one.0 == pair) {
+                self.pairs.remove(place);
+                let why = LEAVING.into();
+                self.scene.ignored.push(Ignored { pair, why });
+            }
         }
+        self.margin = self.least().unwrap_or(self.margin);
     }
 
     /// Returns the pair of two numbers of bodies.
@@ -287,6 +356,7 @@ fn add<C: ConfigurationSpace>(
     (name, geometry): (&str, &Geometry),
     body: usize,
     at: &Isometry3<f64>,
+    sides: usize,
 ) -> Result<(), ReceiptError> {
     let refused = |why: &'static str| {
         let name = name.into();
@@ -304,6 +374,6 @@ fn add<C: ConfigurationSpace>(
         }
         (None, None) => return Err(refused("its space states neither joints nor constant velocities")),
     };
-    scene.bodies.push(Body::new(name, geometry, way)?);
+    scene.bodies.push(Body::new(name, geometry, way, sides)?);
     Ok(())
 }

@@ -1,7 +1,7 @@
-//! What stands for a body in a receipt: a polyhedron, or the parts of a body that is not convex.
+//! What is stated of a body in a receipt: its points and discs, or the parts of a body that is not convex.
 //!
-//! Parts are triangles of a mesh or pieces of a compound, in the order of a tree. A part is the hull
-//! of some points of the body. Parts are sorted so that those with numbers in a range, halved as
+//! Parts are triangles of a mesh or pieces of a compound or a cloud, in the order of a tree. A part is the
+//! hull of some points of the body. Parts are sorted so that those with numbers in a range, halved as
 //! often as one likes, are near each other: evidence names parts by such ranges.
 
 use core::f64::consts::PI;
@@ -14,106 +14,106 @@ use lin_canny::polyhedron::{ConvexPolyhedron, solids};
 use lin_canny::shape::Core;
 use lin_canny::{Compound, Geometry, Mesh, MeshKind, Shape};
 
-/// Number of sides of a polyhedron around a cylinder or a cone. It exceeds the radius by 0.5 %.
-const SIDES: usize = 32;
+/// Numbers of sides of polyhedra around the cylinders and cones of a compound, few first. They exceed the
+/// radius by 5e-3, 8e-5 and 1e-6 of it.
+pub(super) const SIDES: [usize; 3] = [32, 256, 2048];
 
 /// Factor by which the radius grows, more than the vertices round.
 const GROWN: f64 = 1.0 + 16.0 * f64::EPSILON;
 
-/// A polyhedron, rounded by a radius, that is a body or contains it.
-pub(super) struct StatedHull {
-    pub(super) hull: Arc<ConvexPolyhedron>,
+/// A disc about a point of a body, perpendicular to an axis.
+#[derive(Clone, Debug)]
+pub(super) struct Disc {
+    /// The number of the point.
+    pub(super) centre: usize,
+    pub(super) at: Vector3<f64>,
+    /// A unit vector.
+    pub(super) axis: Vector3<f64>,
     pub(super) radius: f64,
-    /// What the polyhedron is, if it is larger than the body.
-    pub(super) around: Option<&'static str>,
 }
 
-impl StatedHull {
-    /// Returns the polyhedron of a body, or one around it; `None` if there is none.
-    pub(super) fn new(geometry: &Geometry) -> Option<Self> {
-        match geometry {
-            Geometry::Polyhedron(hull) => Some(Self {
-                hull: hull.clone(),
-                radius: 0.0,
-                around: None,
-            }),
-            Geometry::Convex(shape) => Self::of_shape(shape),
-            _ => None,
+impl Disc {
+    /// Returns the disc of a shape whose axis is z.
+    fn new(centre: usize, z: f64, radius: f64) -> Self {
+        let [at, axis] = [Vector3::new(0.0, 0.0, z), Vector3::z()];
+        Self {
+            centre,
+            at,
+            axis,
+            radius,
         }
     }
 
-    /// Returns the polyhedron of a shape, or one around it.
-    pub(super) fn of_shape(shape: &Shape) -> Option<Self> {
-        let outer = |radius: f64| radius / libm::cos(PI / SIDES as f64) * GROWN;
-        let (hull, around) = match shape.core() {
-            Core::Polyhedron(hull) => (hull.clone(), None),
+    /// Half of the height of the disc along a direction.
+    pub(super) fn half_height(&self, m: &Vector3<f64>) -> f64 {
+        self.radius * m.cross(&self.axis).norm()
+    }
+}
+
+/// A convex body: the hull of points and discs, rounded by a radius.
+pub(super) struct StatedHull {
+    /// The hull of the points.
+    pub(super) hull: Arc<ConvexPolyhedron>,
+    pub(super) discs: Vec<Disc>,
+    pub(super) radius: f64,
+}
+
+impl StatedHull {
+    /// Returns points and discs of a body; `None` if it has another form.
+    pub(super) fn new(geometry: &Geometry) -> Option<Self> {
+        let shape = match geometry {
+            Geometry::Polyhedron(hull) => {
+                let hull = hull.clone();
+                let (discs, radius) = (Vec::new(), 0.0);
+                return Some(Self { hull, discs, radius });
+            }
+            Geometry::Convex(shape) => shape,
+            _ => return None,
+        };
+        let axis = |h: f64| ConvexPolyhedron::segment(Point3::new(0.0, 0.0, -h), Point3::new(0.0, 0.0, h));
+        let (hull, ends) = match shape.core() {
+            Core::Polyhedron(hull) => (hull.clone(), Vec::new()),
             Core::Cylinder(core) => {
-                let hull = solids::prism(SIDES, core.half_height(), outer(core.radius())).ok();
-                let hull = hull.filter(|hull| hull.vertex_count() == 2 * SIDES);
-                (Arc::new(hull?), Some("in a prism of 32 sides"))
+                let (h, r) = (core.half_height(), core.radius());
+                (Arc::new(axis(h).ok()?), vec![(-h, r), (h, r)])
             }
             Core::Cone(core) => {
-                let hull = solids::cone(SIDES, core.half_height(), outer(core.radius())).ok();
-                let hull = hull.filter(|hull| hull.vertex_count() == SIDES + 1);
-                (Arc::new(hull?), Some("in a pyramid of 32 sides"))
+                let (h, r) = (core.half_height(), core.radius());
+                (Arc::new(axis(h).ok()?), vec![(-h, r)])
             }
             _ => return None,
         };
+        let number = |z: f64| hull.vertex_points().position(|p| p.z == z);
+        let discs = ends.iter().map(|(z, r)| Some(Disc::new(number(*z)?, *z, *r)));
         Some(Self {
-            hull,
+            discs: discs.collect::<Option<_>>()?,
             radius: shape.rounding_radius(),
-            around,
+            hull,
         })
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::Vector3;
-    use std::vec::Vec;
-
-    /// Support heights of the polyhedron are those of the body or more, and at most 0.5 % more. Those
-    /// of the body are too large by up to 1e-14 of its size, so the sides at the base are tested, too.
-    #[test]
-    fn a_polyhedron_contains_the_body() {
-        let shapes = [
-            Shape::cylinder(0.3, 0.2),
-            Shape::cone(0.3, 0.2),
-            Shape::cylinder(1e-7, 1e3),
-            Shape::cylinder(0.1, 0.1).and_then(|shape| shape.rounded(0.05)),
-        ];
-        for shape in shapes {
-            let shape = shape.expect("a shape");
-            let stated = StatedHull::new(&Geometry::from(shape.clone())).expect("a polyhedron");
-            let (_, ball) = shape.bounding_ball();
-            let (radius, low) = match shape.core() {
-                Core::Cylinder(core) => (core.radius(), -core.half_height()),
-                Core::Cone(core) => (core.radius(), -core.half_height()),
-                _ => panic!("a round core"),
-            };
-            let points = stated.hull.vertex_points();
-            let mut base: Vec<_> = points.filter(|p| p.z == low).map(|p| p.coords.xy()).collect();
-            base.sort_by(|p, q| p.y.atan2(p.x).total_cmp(&q.y.atan2(q.x)));
-            assert_eq!(base.len(), SIDES);
-            for k in 0..SIDES {
-                let (a, b) = (base[k], base[(k + 1) % SIDES]);
-                let from_axis = a.perp(&b) / (b - a).norm();
-                assert!(from_axis > radius, "{from_axis} {radius}");
-            }
-            for k in 0..2000 {
-                let turn = 2.0 * PI * f64::from(k) / 2000.0;
-                let direction = Vector3::new(turn.cos(), turn.sin(), (7.0 * turn).sin()).normalize();
-                let heights = stated.hull.vertex_points().map(|p| p.coords.dot(&direction));
-                let outer = heights.fold(f64::NEG_INFINITY, f64::max) + stated.radius;
-                let own = shape.support_height(&direction);
-                assert!(
-                    outer >= own - 1e-14 * ball && outer <= own + 0.005 * ball,
-                    "{own} {outer}"
-                );
-            }
+/// Returns the points of a piece and its radius, and by how much a polyhedron exceeds a curved one;
+/// `None` if there is no polyhedron around it.
+fn around_piece(shape: &Shape, sides: usize) -> Option<(Arc<ConvexPolyhedron>, f64, f64)> {
+    let outer = |radius: f64| radius / libm::cos(PI / sides as f64) * GROWN;
+    let (hull, excess) = match shape.core() {
+        Core::Polyhedron(hull) => (hull.clone(), 0.0),
+        Core::Cylinder(core) => {
+            let radius = outer(core.radius());
+            let hull = solids::prism(sides, core.half_height(), radius).ok();
+            let hull = hull.filter(|hull| hull.vertex_count() == 2 * sides);
+            (Arc::new(hull?), radius - core.radius())
         }
-    }
+        Core::Cone(core) => {
+            let radius = outer(core.radius());
+            let hull = solids::cone(sides, core.half_height(), radius).ok();
+            let hull = hull.filter(|hull| hull.vertex_count() == sides + 1);
+            (Arc::new(hull?), radius - core.radius())
+        }
+        _ => return None,
+    };
+    Some((hull, shape.rounding_radius(), excess))
 }
 
 /// The points and the parts of a body that is not convex.
@@ -125,7 +125,7 @@ pub(super) struct StatedParts {
     pub(super) is_solid: bool,
     pub(super) radius: f64,
     /// What the parts are, if they are larger than the body.
-    pub(super) around: Option<&'static str>,
+    pub(super) around: Option<String>,
 }
 
 impl StatedParts {
@@ -143,20 +143,31 @@ impl StatedParts {
 
     /// Returns the pieces, or `None` if one has no polyhedron around it. All pieces get the greatest
     /// radius.
-    pub(super) fn of_compound(compound: &Compound) -> Option<Self> {
-        let (mut points, mut parts, mut radii, mut around) = (Vec::new(), Vec::new(), Vec::new(), None);
+    pub(super) fn of_compound(compound: &Compound, sides: usize) -> Option<Self> {
+        let (mut points, mut parts, mut radii, mut excess) = (Vec::new(), Vec::new(), Vec::new(), 0.0f64);
         for piece in compound.pieces() {
-            let stated = StatedHull::of_shape(&piece.shape)?;
+            let (hull, radius, more) = around_piece(&piece.shape, sides)?;
             let first = points.len();
-            points.extend(stated.hull.vertex_points().map(|p| piece.pose * p));
+            points.extend(hull.vertex_points().map(|p| piece.pose * p));
             parts.push((first..points.len()).collect());
-            radii.push(stated.radius);
-            around = around.or(stated.around.map(|_| "curved pieces in polyhedra of 32 sides"));
+            radii.push(radius);
+            excess = excess.larger(more);
         }
-        let radius = radii.iter().copied().fold(0.0, f64::larger);
-        if radii.iter().any(|other| *other != radius) {
-            around = Some("all pieces with the greatest radius");
-        }
+        let [least, radius] = radii
+            .iter()
+            .fold([f64::INFINITY, 0.0], |[low, high], r| [r.smaller(low), r.larger(high)]);
+        let around = match (excess > 0.0, radius > least) {
+            (false, false) => None,
+            (true, false) => Some(format!(
+                "curved pieces in polyhedra of {sides} sides, at most {excess:.1e} larger"
+            )),
+            (_, true) => {
+                let excess = excess + (radius - least);
+                Some(format!(
+                    "all pieces with the greatest radius, at most {excess:.1e} larger"
+                ))
+            }
+        };
         let stated = Self {
             points,
             parts,
@@ -216,4 +227,54 @@ pub(super) fn hull_of(cloud: &[Point3<f64>]) -> Option<ConvexPolyhedron> {
 /// Returns where a range of parts is cut.
 pub(super) fn half([low, high]: [usize; 2]) -> usize {
     low + (high - low) / 2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+    use std::vec::Vec;
+
+    /// Support heights of the polyhedron are those of the body or more, and at most 0.5 % more. Those
+    /// of the body are too large by up to 1e-14 of its size, so the sides at the base are tested, too.
+    #[test]
+    fn a_polyhedron_contains_the_body() {
+        let shapes = [
+            Shape::cylinder(0.3, 0.2),
+            Shape::cone(0.3, 0.2),
+            Shape::cylinder(1e-7, 1e3),
+            Shape::cylinder(0.1, 0.1).and_then(|shape| shape.rounded(0.05)),
+        ];
+        for shape in shapes {
+            let shape = shape.expect("a shape");
+            let (hull, rounding, excess) = around_piece(&shape, SIDES[0]).expect("a polyhedron");
+            assert!(excess > 0.0);
+            let (_, ball) = shape.bounding_ball();
+            let (radius, low) = match shape.core() {
+                Core::Cylinder(core) => (core.radius(), -core.half_height()),
+                Core::Cone(core) => (core.radius(), -core.half_height()),
+                _ => panic!("a round core"),
+            };
+            let points = hull.vertex_points();
+            let mut base: Vec<_> = points.filter(|p| p.z == low).map(|p| p.coords.xy()).collect();
+            base.sort_by(|p, q| p.y.atan2(p.x).total_cmp(&q.y.atan2(q.x)));
+            assert_eq!(base.len(), SIDES[0]);
+            for k in 0..SIDES[0] {
+                let (a, b) = (base[k], base[(k + 1) % SIDES[0]]);
+                let from_axis = a.perp(&b) / (b - a).norm();
+                assert!(from_axis > radius, "{from_axis} {radius}");
+            }
+            for k in 0..2000 {
+                let turn = 2.0 * PI * f64::from(k) / 2000.0;
+                let direction = Vector3::new(turn.cos(), turn.sin(), (7.0 * turn).sin()).normalize();
+                let heights = hull.vertex_points().map(|p| p.coords.dot(&direction));
+                let outer = heights.fold(f64::NEG_INFINITY, f64::max) + rounding;
+                let own = shape.support_height(&direction);
+                assert!(
+                    outer >= own - 1e-14 * ball && outer <= own + 0.005 * ball,
+                    "{own} {outer}"
+                );
+            }
+        }
+    }
 }

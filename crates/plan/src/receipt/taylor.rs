@@ -9,7 +9,7 @@ use lin_canny::motion::Velocity;
 
 /// Degree of the polynomials, the one of the checkers.
 pub(super) const DEGREE: usize = 4;
-const TERMS: usize = DEGREE + 1;
+pub(super) const TERMS: usize = DEGREE + 1;
 
 /// Angle within a piece of evidence from which on a checker refuses it.
 const FARTHEST: f64 = 31.0;
@@ -129,7 +129,7 @@ pub(super) fn dot(u: &Moving, v: &Moving) -> Taylor {
     u[0].times(&v[0]).plus(&u[1].times(&v[1])).plus(&u[2].times(&v[2]))
 }
 
-fn cross(u: &Moving, v: &Moving) -> Moving {
+pub(super) fn cross(u: &Moving, v: &Moving) -> Moving {
     let part = |i: usize, j: usize| u[i].times(&v[j]).minus(&u[j].times(&v[i]));
     [part(1, 2), part(2, 0), part(0, 1)]
 }

@@ -18,7 +18,7 @@ for case in sys.argv[2:]:
 ///
 /// What it prints about a receipt that can be read is what the checker in Rust prints.
 pub(crate) fn codes(cases: &[(String, Option<String>)]) -> Option<Vec<i32>> {
-    let scripts = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let scripts = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../verify"));
     if !scripts.join("verify.py").exists() || Command::new("python3").arg("--version").output().is_err() {
         println!("skipped: no python3, or not a checkout");
         return None;
@@ -81,7 +81,7 @@ pub(crate) fn code(receipt: &str, other: Option<&str>) -> i32 {
 }
 
 /// The exit code of the checker in Rust, and what it prints.
-fn answer(receipt: &str, other: Option<&str>) -> (i32, String) {
+pub(crate) fn answer(receipt: &str, other: Option<&str>) -> (i32, String) {
     let found = match other {
         Some(other) => verify_on(receipt.as_bytes(), other.as_bytes()),
         None => verify(receipt.as_bytes()),
@@ -94,7 +94,7 @@ fn answer(receipt: &str, other: Option<&str>) -> (i32, String) {
 
 /// What the Python checker prints about a receipt, or about a receipt on another scene.
 pub(crate) fn printed(texts: &[&str]) -> Option<String> {
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("verify.py");
+    let script = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../verify/verify.py"));
     let mut command = Command::new("python3");
     command.arg("-B").arg(&script);
     let file = |(k, text): (usize, &&str)| {

@@ -1,0 +1,241 @@
+//! Promise: a motion that is proven free has a receipt, whatever stands in its world, and both checkers accept it with
+//! the same text. A motion that is blocked has one if its contact is a matter of points.
+
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::polyhedron::ConvexPolyhedron;
+use lin_canny::shape::Core;
+use lin_canny::{Cloud, CloudElement, Compound, Geometry, HalfSpace, Mesh, Piece, Shape};
+use lin_canny_plan::receipt::{Receipt, ReceiptError};
+use lin_canny_plan::{Cell, Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, Verdict};
+use truth::rng::Rng;
+
+#[path = "../../verify/tests/support/python.rs"]
+#[allow(dead_code, reason = "the checkers' own tests use all of it")]
+mod python;
+
+fn direction(rng: &mut Rng) -> Vector3<f64> {
+    loop {
+        let v = Vector3::from_fn(|_, _| rng.range(-1.0, 1.0));
+        if (0.1..1.0).contains(&v.norm()) {
+            return v.normalize();
+        }
+    }
+}
+
+fn pose(rng: &mut Rng, far: f64) -> Isometry3<f64> {
+    let turn = rng.range(-3.0, 3.0) * direction(rng);
+    Isometry3::new(direction(rng) * far, turn)
+}
+
+fn hull(rng: &mut Rng, size: f64) -> ConvexPolyhedron {
+    let points: Vec<Point3<f64>> = (0..8).map(|_| Point3::from(size * direction(rng))).collect();
+    ConvexPolyhedron::from_points(&points).expect("a hull")
+}
+
+/// A convex shape of each kind that has a receipt.
+fn shape(rng: &mut Rng, size: f64) -> Shape {
+    let [r, h] = [rng.range(0.2, 1.0) * size, rng.range(0.2, 1.0) * size];
+    let shape = match rng.below(6) {
+        0 => Ok(Shape::from(hull(rng, size))),
+        1 => Shape::cylinder(h, r),
+        2 => Shape::cone(h, r),
+        3 => Shape::capsule(h, 0.5 * r),
+        4 => Shape::cylinder(h, r).and_then(|shape| shape.rounded(0.1 * r)),
+        _ => Shape::ball(r),
+    };
+    shape.expect("a shape")
+}
+
+/// A body of any kind that has a receipt and an end.
+fn body(rng: &mut Rng, size: f64) -> Geometry {
+    let points = |rng: &mut Rng, count: usize| -> Vec<Point3<f64>> {
+        let point = |_| Point3::from(Vector3::from_fn(|_, _| rng.range(-size, size)));
+        (0..count).map(point).collect()
+    };
+    match rng.below(10) {
+        0 => {
+            let pieces = (0..2).map(|_| Piece {
+                pose: pose(rng, 0.5 * size),
+                ..Piece::new(shape(rng, 0.5 * size))
+            });
+            Compound::new(pieces.collect()).expect("a compound").into()
+        }
+        1 => Cloud::new(&points(rng, 8), CloudElement::Ball(0.1 * size))
+            .expect("a cloud")
+            .into(),
+        2 => {
+            let half = CloudElement::Box(Vector3::repeat(0.1 * size));
+            Cloud::new(&points(rng, 5), half).expect("a cloud").into()
+        }
+        3 => {
+            let heights: Vec<f64> = (0..9).map(|_| rng.range(0.0, 0.5) * size).collect();
+            let base = (rng.below(2) == 0).then_some(-0.5 * size);
+            Mesh::from_heights(3, 3, [0.6 * size; 2], &heights, base)
+                .expect("a field")
+                .into()
+        }
+        4 => {
+            let piece = Piece::new(Shape::from(hull(rng, size)));
+            let compound = Compound::new(vec![piece]).expect("a piece");
+            compound.to_mesh().expect("a mesh").into()
+        }
+        5..=7 => hull(rng, size).into(),
+        _ => shape(rng, size).into(),
+    }
+}
+
+/// A robot of a few links in a world: paddings, margins, excluded pairs, bodies that touch at rest.
+fn world(rng: &mut Rng) -> Checker<JointTree> {
+    let joints = 1 + rng.below(4);
+    let joint = |k: usize, rng: &mut Rng| {
+        let origin = Isometry3::translation(if k == 0 { 0.0 } else { 0.8 }, 0.0, 0.0);
+        let axis = UnitQuaternion::from_scaled_axis(direction(rng)) * Vector3::z_axis();
+        match rng.below(4) {
+            0 => Joint::prismatic(origin, axis, [-1.0, 1.0]),
+            _ => Joint::revolute(origin, axis, [-3.0, 3.0]),
+        }
+    };
+    let chain: Vec<Joint> = (0..joints).map(|k| joint(k, rng)).collect();
+    let (mut cell, mut on) = (Cell::new(), Vec::new());
+    let is_alone = rng.below(12) == 0;
+    let first = usize::from(rng.below(2) == 0);
+    for k in first..=joints {
+        cell.robot_body(format!("link {k}"), body(rng, 0.3));
+        on.push(k);
+    }
+    if !is_alone {
+        let tilt = UnitQuaternion::from_scaled_axis(rng.range(0.0, 0.3) * direction(rng));
+        let floor = HalfSpace::new(tilt * Vector3::z(), rng.range(-3.0, -0.2)).expect("a plane");
+        // The base may stand in it.
+        cell.add_obstacle("floor", floor, pose(rng, 0.0)).expect("an obstacle");
+        for k in 0..rng.below(6) {
+            let far = rng.range(0.2, 2.0);
+            cell.add_obstacle(format!("part {k}"), body(rng, 0.3), pose(rng, far))
+                .expect("an obstacle");
+        }
+        if rng.below(3) == 0 {
+            cell.pad("floor", 0.02).expect("a padding");
+        }
+        if rng.below(3) == 0 {
+            cell.set_margin(0.01).expect("a margin");
+            let last = format!("link {joints}");
+            cell.set_pair_margin(&last, "floor", Some(0.05)).expect("a pair");
+        }
+    }
+    for k in first..joints {
+        cell.exclude(&format!("link {k}"), &format!("link {}", k + 1))
+            .expect("a pair");
+    }
+    let tree = JointTree::serial(Isometry3::identity(), chain, on, 5.0).expect("a tree");
+    let mut checker = Checker::new(tree, cell).expect("a world");
+    if rng.below(3) == 0 {
+        checker.set_start_contact_margin(Some(0.05)).expect("a margin");
+    }
+    checker
+}
+
+fn motion(rng: &mut Rng, joints: usize) -> JointMotion {
+    let most = [0.1, 0.4, 1.0][rng.below(3)];
+    let mut rows = vec![(0..joints).map(|_| rng.range(-0.9, 0.9)).collect::<Vec<f64>>()];
+    for _ in 0..1 + rng.below(3) {
+        let last = &rows[rows.len() - 1];
+        rows.push(
+            last.iter()
+                .map(|x| (x + rng.range(-most, most)).clamp(-1.0, 1.0))
+                .collect(),
+        );
+    }
+    match rng.below(3) {
+        0 => JointMotion::segment(&rows[0], &rows[1]),
+        1 => JointMotion::path(&rows).expect("a path"),
+        _ => JointMotion::curve(&JointCurve::bezier(&rows).expect("a curve")),
+    }
+}
+
+/// Whether a body has points of its own that a contact can be proven by.
+fn has_points(geometry: &Geometry) -> bool {
+    let is_hull = |shape: &Shape| matches!(shape.core(), Core::Polyhedron(_));
+    match geometry {
+        Geometry::Polyhedron(_) | Geometry::Mesh(_) | Geometry::Cloud(_) => true,
+        Geometry::Convex(shape) => is_hull(shape),
+        Geometry::Compound(compound) => {
+            let radii = compound.pieces().iter().map(|piece| piece.shape.rounding_radius());
+            let all: Vec<f64> = radii.collect();
+            compound.pieces().iter().all(|piece| is_hull(&piece.shape)) && all.iter().all(|r| *r == all[0])
+        }
+        _ => false,
+    }
+}
+
+/// Judges random motions; returns how many are free, free without a pair that moves, blocked with a receipt, blocked
+/// by a body without points, and undecided.
+fn judge(seeds: std::ops::Range<u64>) -> [usize; 5] {
+    let mut counts = [0; 5];
+    let mut cases = Vec::new();
+    for seed in seeds {
+        let mut rng = Rng::new(seed);
+        let mut checker = world(&mut rng);
+        let motion = motion(&mut rng, checker.space().bounds().len());
+        let verdict = checker.certify(&motion).expect("a motion");
+        let receipt = Receipt::motion(&mut checker, &motion);
+        let receipt = match (&verdict, receipt) {
+            (Verdict::Free { .. }, Ok(receipt)) => {
+                counts[0] += 1;
+                receipt
+            }
+            (Verdict::Free { .. }, Err(ReceiptError::Nothing)) => {
+                counts[1] += 1;
+                continue;
+            }
+            (Verdict::Blocked { .. }, Err(ReceiptError::Blocked { .. })) if motion.pieces() > 1 => continue,
+            (Verdict::Blocked { .. }, Ok(receipt)) => {
+                counts[2] += 1;
+                receipt
+            }
+            (Verdict::Blocked { pair, .. }, Err(error @ ReceiptError::Pair { .. })) => {
+                let bodies = [pair.a, pair.b].map(|id| checker.cell().geometry(id).expect("a body"));
+                assert!(
+                    !bodies.iter().all(|body| has_points(body)),
+                    "{seed}: {error} {verdict:?}"
+                );
+                counts[3] += 1;
+                continue;
+            }
+            (Verdict::Undecided { .. }, Err(ReceiptError::Undecided { .. })) => {
+                counts[4] += 1;
+                continue;
+            }
+            (verdict, receipt) => panic!("{seed}: {verdict:?} {:?}", receipt.err()),
+        };
+        let text = receipt.to_string();
+        assert_eq!(
+            python::code(&text, None),
+            0,
+            "{seed}: {}",
+            python::answer(&text, None).1
+        );
+        cases.push((text, None));
+    }
+    // The same texts in Python.
+    for some in cases.chunks(500) {
+        let codes = python::codes(some).unwrap_or_default();
+        assert!(codes.iter().all(|code| *code == 0), "{codes:?}");
+    }
+    counts
+}
+
+#[test]
+fn motions_of_random_worlds_have_receipts() {
+    let counts = judge(0..100);
+    println!("free, without a pair, blocked, without points, undecided: {counts:?}");
+    assert!(counts[0] > 15 && counts[1] > 0 && counts[2] > 5, "{counts:?}");
+}
+
+#[test]
+#[ignore = "10,000 worlds take minutes"]
+fn many_motions_of_random_worlds_have_receipts() {
+    println!(
+        "free, without a pair, blocked, without points, undecided: {:?}",
+        judge(0..10_000)
+    );
+}
