@@ -43,7 +43,7 @@ def checker(tmp_path):
 
 def test_curves_and_splines(checker):
     curve = [[0.0], [0.5], [1.0]]
-    assert "1 pair of bodies stays more than 0.0 apart" in proven(checker.receipt_curve(curve))
+    assert "1 pair of bodies stays more than 0 apart" in proven(checker.receipt_curve(curve))
     assert "bar and post" in proven(checker.receipt_curve([[0.0], [1.0], [2.0]]))
     text = checker.receipt_spline([curve, [[1.0], [0.9], [0.5]]])
     assert "of each of 2 legs" in proven(text)

@@ -9,15 +9,17 @@ use lin_canny::impact::ImpactError;
 #[non_exhaustive]
 pub enum ReceiptError {
     /// Returned if a body has no form in a receipt.
-    #[error("body {name:?} has no receipt: it is a {kind} (expected a polyhedron, cylinder, cone, compound or mesh)")]
+    #[error(
+        "body {name:?} has no receipt: it is a {kind} (expected a polyhedron, cylinder, cone, compound, cloud, mesh or half-space)"
+    )]
     Body {
         /// Name of the body.
         name: String,
         /// Its kind.
         kind: GeometryKind,
     },
-    /// Returned if a body has more than 65,536 vertices.
-    #[error("body {name:?} has {count} vertices (expected at most 65536)")]
+    /// Returned if a body has more than 262,144 vertices.
+    #[error("body {name:?} has {count} vertices (expected at most 262144)")]
     Vertices {
         /// Name of the body.
         name: String,
@@ -70,7 +72,7 @@ pub enum ReceiptError {
         /// The reason.
         why: &'static str,
     },
-    /// Returned if no pair is proven over a range: a receipt would claim nothing.
+    /// Returned if no pair is proven over a range, or no pair moves: a receipt would claim nothing.
     #[error("no pair is proven: a receipt would claim nothing")]
     Nothing,
     /// Returned if the checker or the space returns an error.

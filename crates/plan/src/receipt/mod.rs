@@ -50,14 +50,12 @@
 //!
 //! # What has no receipt
 //!
-//! * Ellipsoids, clouds, surfaces and half-spaces. A cylinder or a cone is stated as a
-//!   polyhedron of 32 sides around it, which its name says. So a receipt may prove it free, and never
-//!   in contact; where only the corners of the polyhedron are in contact, there is no receipt.
-//! * Depths. Contacts and distances of pieces with different radii: all pieces of a compound get the
-//!   greatest radius, which the name says.
+//! * Ellipsoids, Bézier surfaces, and half-spaces that move.
+//! * Depths. Contacts and distances of cylinders, cones and half-spaces, because no points of them are stated,
+//!   and of bodies that are stated larger: pieces of a compound or a cloud with different radii get the
+//!   greatest one, and curved pieces polyhedra of 32 to 2,048 sides. The name says by how much.
 //! * A mesh that holds another body inside, without contact of their surfaces.
-//! * Tubes, moving obstacles, contacts at the start that are left,
-//!   and motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]).
+//! * Tubes, moving obstacles, and motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]).
 //! * Undecided answers.
 //!
 //! Each of these is an error that names the body, the pair or the motion.
@@ -75,8 +73,8 @@
 //!   stay apart. It proves that no body is inside the other if the hulls are apart at one time; or
 //!   else a checker says that it did not look at this. A distance is that of the surfaces.
 //! * A piece of a compound is stated by its vertices in the frame of the body, which are rounded.
-//! * Pairs that are excluded, or that keep their relative pose, are listed with the reason. Pairs
-//!   of two bodies that rest are not looked at.
+//! * Pairs that are excluded, that keep their relative pose, or whose contact at the start was accepted
+//!   are listed with the reason. Pairs of two bodies that rest are not looked at, except for a contact.
 //!
 //! The writer makes the evidence from the certificates of the library. A checker sees a motion as
 //! polynomials, so the writer halves intervals that are too long for it, and rounds normals to few
