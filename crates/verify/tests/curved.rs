@@ -1,0 +1,121 @@
+//! Promises of discs and half-spaces: a claim that is false by a billionth is refused, and one that is true with little to
+//! spare is accepted, by both checkers.
+
+mod support;
+
+use support::python::{code, codes};
+use support::*;
+
+/// A disc at a pose, spinning about the origin of its frame, above the half-space z <= 0.
+struct Coin {
+    centre: V,
+    axis: V,
+    radius: f64,
+    spin: V,
+    height: f64,
+}
+
+impl Coin {
+    fn new(rng: &mut Rng) -> Self {
+        Self {
+            centre: rng.vector(1.0),
+            axis: rng.vector(2.0),
+            radius: rng.range(0.1, 2.0),
+            spin: rng.vector(1.0),
+            height: rng.range(4.0, 6.0),
+        }
+    }
+
+    /// The least height of the disc above the plane at a time.
+    fn gap(&self, time: f64) -> f64 {
+        let [centre, axis] = [self.centre, self.axis].map(|v| turned(scale(self.spin, time), v));
+        let tilt = axis[2] * axis[2] / dot(axis, axis);
+        self.height + centre[2] - self.radius * (1.0 - tilt).max(0.0).sqrt()
+    }
+
+    /// The claim that the disc keeps a distance over an interval.
+    fn receipt(&self, [from, until]: [f64; 2], keep: f64) -> String {
+        let (zero, identity) = (hexes(&[0.0; 3]), hexes(&REST));
+        let mut at = REST;
+        at[2] = self.height;
+        sealed(&[
+            format!(
+                "{{\"receipt\":1,\"claim\":\"apart\",\"from\":{},\"until\":{},\"margin\":{}}}",
+                hex(from),
+                hex(until),
+                hex(keep)
+            ),
+            format!(
+                "{{\"body\":0,\"name\":\"floor\",\"half\":[{},\"0x0p0\"],\"at\":{identity}}}",
+                hexes(&[0.0, 0.0, 2.0])
+            ),
+            format!(
+                "{{\"body\":1,\"name\":\"coin\",\"points\":[{}],\"discs\":[[0,{},{}]],\"at\":{},\"steady\":{{\"pivot\":{zero},\
+                 \"linear\":{zero},\"angular\":{},\"push\":{zero}}}}}",
+                hexes(&self.centre),
+                hexes(&self.axis),
+                hex(self.radius),
+                hexes(&at),
+                hexes(&self.spin)
+            ),
+            "{\"plane\":[0,1]}".into(),
+        ])
+    }
+}
+
+#[test]
+fn discs_above_half_spaces_are_proven_as_they_are() {
+    let (mut rng, mut cases, mut wanted) = (Rng(5), Vec::new(), Vec::new());
+    for _ in 0..200 {
+        let coin = Coin::new(&mut rng);
+        let span = [1.0, 0.1, 0.01][rng.below(3)];
+        let from = rng.range(0.0, 1.0 - span);
+        let times = (0..=1000).map(|k| from + span * f64::from(k) / 1000.0);
+        let least = times.map(|t| coin.gap(t)).fold(f64::INFINITY, f64::min);
+        // Above the least gap by rounding of this test, and below it by what the bound of a root may miss.
+        for (keep, holds) in [(least + 1e-9, false), (least - 2.0 * span * span - 1e-6, span < 1.0)] {
+            if keep > 0.0 && (holds || keep > least) {
+                cases.push((coin.receipt([from, from + span], keep), None));
+                wanted.push(i32::from(!holds));
+            }
+        }
+    }
+    for ((text, _), wanted) in cases.iter().zip(&wanted) {
+        assert_eq!(code(text, None), *wanted, "{text}");
+    }
+    assert!(wanted.iter().filter(|code| **code == 0).count() > 80 && wanted.len() > 250);
+    if let Some(found) = codes(&cases) {
+        assert_eq!(found, wanted);
+    }
+}
+
+#[test]
+fn lines_that_a_disc_or_a_half_space_cannot_have_are_refused() {
+    let coin = Coin::new(&mut Rng(1));
+    let text = coin.receipt([0.0, 0.001], 0.1);
+    let lines: Vec<&str> = text.lines().collect();
+    let mut cases = vec![(text.clone(), None)];
+    for (line, from, to) in [
+        (3, "{\"plane\":[0,1]}", "{\"balls\":[0,[1]]}"),
+        (3, "[0,1]}", "[0,1],\"normal\":[\"0x0p0\",\"0x0p0\",\"0x1p0\"]}"),
+        (
+            3,
+            "{\"plane\":[0,1]}",
+            "{\"outside\":[0,1],\"at\":\"0x0p0\",\"normal\":[\"0x0p0\",\"0x0p0\",\"0x1p0\"]}",
+        ),
+        (2, "\"discs\":[[0", "\"discs\":[[1"),
+        (2, "\"discs\":", "\"parts\":[[0]],\"discs\":"),
+        (1, "\"half\":", "\"radius\":\"0x1p0\",\"half\":"),
+        (1, "\"0x1p1\"]", "\"0x0p0\"]"),
+    ] {
+        assert!(lines[line].contains(from), "{from}: {}", lines[line]);
+        let mut changed: Vec<String> = lines[..4].iter().map(|line| (*line).to_owned()).collect();
+        changed[line] = changed[line].replacen(from, to, 1);
+        cases.push((sealed(&changed), None));
+    }
+    let ours: Vec<i32> = cases.iter().map(|(text, _)| code(text, None)).collect();
+    assert_eq!(ours, [0, 3, 3, 3, 3, 3, 3, 3]);
+    if let Some(found) = codes(&cases) {
+        assert_eq!(found, ours);
+    }
+}
