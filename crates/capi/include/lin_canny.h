@@ -316,7 +316,8 @@ typedef struct lc_near {
 typedef struct lc_verdict {
   // `LC_FREE`, `LC_BLOCKED` or `LC_OPEN`.
   uint32_t state;
-  // The number of contacts at the start that were accepted.
+  // The number of contacts at the start that were accepted: these pairs are proven apart only after
+  // they have left the contact.
   uint32_t start_contacts;
   // The segment of a path to which the verdict belongs.
   uint64_t segment;

@@ -114,7 +114,8 @@ pub const LC_OPEN: u32 = 2;
 pub struct lc_verdict {
     /// `LC_FREE`, `LC_BLOCKED` or `LC_OPEN`.
     pub state: u32,
-    /// The number of contacts at the start that were accepted.
+    /// The number of contacts at the start that were accepted: these pairs are proven apart only after
+    /// they have left the contact.
     pub start_contacts: u32,
     /// The segment of a path to which the verdict belongs.
     pub segment: u64,
@@ -143,7 +144,7 @@ pub(crate) fn verdict(verdict: &Verdict) -> lc_verdict {
     let none = lc_world_body { id: 0 };
     let mut answer = lc_verdict {
         state: LC_OPEN,
-        start_contacts: 0,
+        start_contacts: verdict.start_contacts().len() as u32,
         segment: verdict.piece().unwrap_or(0) as u64,
         safe: verdict.free_until(),
         hit: f64::INFINITY,
@@ -154,13 +155,9 @@ pub(crate) fn verdict(verdict: &Verdict) -> lc_verdict {
         point_on_b: [0.0; 3],
     };
     match verdict {
-        Verdict::Free {
-            clearance,
-            start_contacts,
-        } => {
+        Verdict::Free { clearance, .. } => {
             answer.state = LC_FREE;
             answer.clearance = *clearance;
-            answer.start_contacts = start_contacts.len() as u32;
         }
         Verdict::Blocked {
             contact_at,

@@ -78,6 +78,10 @@ pub(crate) fn run(options: &AuditOptions) -> Result<End, ToolError> {
         reasons.get(&names).copied().filter(|reason| !reason.is_empty())
     };
     let coordinates = cell.coordinates();
+    let [meet, meets] = match cell.requires_distance() {
+        true => ["come closer than required", "comes closer than required"],
+        false => ["meet", "meets"],
+    };
     let mut end = End::Free;
     for one in &found {
         say!("{}", line(one));
@@ -88,14 +92,14 @@ pub(crate) fn run(options: &AuditOptions) -> Result<End, ToolError> {
             end = end.max(End::Blocked);
             let values = one.contact().unwrap_or_default();
             say!(
-                "  excluded as {claim}, but meets at {}",
+                "  excluded as {claim}, but {meets} at {}",
                 configuration(coordinates, values)
             );
         }
     }
     let count = |verdict| found.iter().filter(|one| one.verdict == verdict).count();
     say!(
-        "{} pairs: {} never meet, {} always, {} both, {} open",
+        "{} pairs: {} never {meet}, {} always, {} both, {} open",
         found.len(),
         count(AuditVerdict::Never),
         count(AuditVerdict::Always),
@@ -114,6 +118,7 @@ pub(crate) fn run(options: &AuditOptions) -> Result<End, ToolError> {
             coordinates,
             found: &found,
             reason: &reason,
+            meet,
         };
         write(file, &page.html(&checker)?)?;
     }

@@ -25,6 +25,8 @@ pub(crate) struct AuditPage<'a> {
     pub(crate) found: &'a [LinkAudit],
     /// The reason for which an SRDF or an option excludes a pair.
     pub(crate) reason: &'a dyn Fn(&[String; 2]) -> Option<&'a str>,
+    /// What a pair does that does not keep its required distance.
+    pub(crate) meet: &'a str,
 }
 
 impl AuditPage<'_> {
@@ -48,10 +50,11 @@ impl AuditPage<'_> {
         let count = |verdict| rows.iter().filter(|one| one.verdict == verdict).count();
         let _ = writeln!(
             page,
-            "<p>{} pairs over the whole limits of the joints: {} never meet, {} always, {} do both, {} are open. \
+            "<p>{} pairs over the whole limits of the joints: {} never {}, {} always, {} do both, {} are open. \
              Lengths are metres. Refuted exclusions: {}.</p>",
             rows.len(),
             count(AuditVerdict::Never),
+            self.meet,
             count(AuditVerdict::Always),
             count(AuditVerdict::Both),
             count(AuditVerdict::Open),
@@ -83,7 +86,7 @@ impl AuditPage<'_> {
             escaped(&title(one)),
             one.joints,
             one.verdict,
-            clearance(one),
+            clearance(one, self.meet),
             one.cells,
             one.time.as_secs_f64() * 1e3,
         )
@@ -100,7 +103,7 @@ impl AuditPage<'_> {
         Ok(format!(
             "<figure id=\"pair{k}\">{svg}<figcaption><b>{title}</b>: {}, {}<br/><code>{}</code></figcaption></figure>\n",
             one.verdict,
-            clearance(one),
+            clearance(one, self.meet),
             values.collect::<Vec<_>>().join(" "),
         ))
     }
@@ -147,10 +150,10 @@ fn title(one: &LinkAudit) -> String {
 }
 
 /// Says how near the links come, as far as it is known.
-fn clearance(one: &LinkAudit) -> String {
+fn clearance(one: &LinkAudit, meet: &str) -> String {
     match one.verdict {
         AuditVerdict::Never => distance(one.lower, one.upper),
         AuditVerdict::Open => format!("{:.1e} open, at least {}", one.open, distance(one.lower, one.lower)),
-        _ => "meet".to_owned(),
+        _ => meet.to_owned(),
     }
 }

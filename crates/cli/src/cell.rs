@@ -13,7 +13,7 @@ use crate::end::{End, ToolError};
 pub(crate) struct CellOptions {
     #[command(flatten)]
     robot: RobotOptions,
-    /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
+    /// Required distance of all pairs in metres, without their paddings [default: that of the cell, or 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     margin: Option<f64>,
     /// Output file with the cell as JSON [default: stdout]

@@ -35,7 +35,7 @@ pub(crate) struct CertifyOptions {
     /// everything in the tube is proven free; may be repeated
     #[arg(long, value_name = "JOINT=X", value_parser = values::named_number, conflicts_with = "start_contact")]
     tube: Vec<(String, f64)>,
-    /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
+    /// Required distance of all pairs in metres, without their paddings [default: that of the cell, or 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     margin: Option<f64>,
     #[command(flatten)]
@@ -50,7 +50,7 @@ pub(crate) struct CertifyOptions {
     #[command(flatten)]
     film: film::FilmOptions,
     /// Output receipt, a proof that `verify` checks: of all segments if they are free, otherwise of
-    /// the first that is blocked
+    /// the first that is blocked. If what blocks has no receipt, the tool says why, and ends with 1
     #[arg(long, value_name = "OUT.jsonl", conflicts_with_all = ["tube", "start_contact"])]
     receipt: Option<PathBuf>,
     /// Output scene, the bodies and the motion without a proof: `verify --on` checks an older
@@ -174,30 +174,28 @@ pub(crate) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
         };
         let mut cells = vec![from.to_string(), to.to_string()];
         let name = verdict.name();
+        for leaving in verdict.start_contacts() {
+            let [a, b] = names(&checker, leaving.pair);
+            let until = match leaving.contact.until {
+                Some(t) => format!("leave their contact {}", place(t, time_at(&path, k, t))),
+                None => "keep their contact".into(),
+            };
+            bar.suspend(|| say!("{unit} {from} to {to}: {a} - {b} {until}"));
+        }
         match verdict {
-            Verdict::Free { start_contacts, .. } => {
+            Verdict::Free { .. } => {
                 free += 1;
-                for leaving in start_contacts {
-                    let [a, b] = names(&checker, leaving.pair);
-                    let until = match leaving.contact.until {
-                        Some(t) => format!("leave their contact {}", place(t, time_at(&path, k, t))),
-                        None => "keep their contact".into(),
-                    };
-                    bar.suspend(|| say!("{unit} {from} to {to}: {a} - {b} {until}"));
-                }
                 cells.extend([name, "1", "", "", "", ""].map(String::from));
             }
             Verdict::Blocked {
-                contact_at: t, pair, ..
+                contact_at: t,
+                pair,
+                required,
+                ..
             } => {
                 let [a, b] = names(&checker, pair);
                 let (time, at) = (time_at(&path, k, t), place(t, time_at(&path, k, t)));
-                let meet = match (checker.cell().margin(), tube) {
-                    (0.0, None) => "meet".to_owned(),
-                    (0.0, Some(_)) => "may meet in the tube".to_owned(),
-                    (margin, None) => format!("come within {margin} m"),
-                    (margin, Some(_)) => format!("may come within {margin} m in the tube"),
-                };
+                let meet = checker.show(&required).meet(" m");
                 let apart = fraction_below(safe);
                 bar.suspend(|| say!("{unit} {from} to {to}: {a} - {b} {meet} {at}, free to {apart}"));
                 let time = time.map_or(String::new(), |time| time.to_string());
@@ -230,7 +228,7 @@ pub(crate) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
         false => JointMotion::path(&path.rows)?,
     };
     if let Some(file) = &options.scene {
-        receipt::write(file, &options.robot, &cell, Receipt::scene(&checker, &motion))?;
+        receipt::write_unless_blocked(file, &options.robot, &cell, Receipt::scene(&checker, &motion), end)?;
     }
     match (&options.receipt, whole, blocked) {
         (None, ..) => {}
@@ -242,9 +240,10 @@ pub(crate) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
         (Some(file), _, Some((k, found))) => {
             let piece = motion.piece(k).unwrap_or(motion);
             let written = Receipt::certified(&checker, &piece, &found);
-            receipt::write(file, &options.robot, &cell, written)?;
-            let (from, to) = (path.lines[k], path.lines[k + 1]);
-            say!("{}: proof of what blocks {unit} {from} to {to}", file.display());
+            if receipt::write_unless_blocked(file, &options.robot, &cell, written, end)?.is_some() {
+                let (from, to) = (path.lines[k], path.lines[k + 1]);
+                say!("{}: proof of what blocks {unit} {from} to {to}", file.display());
+            }
         }
         (Some(file), ..) => warn!(
             "warning: {}: not written, because a segment is undecided",

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use lin_canny_cli::{RobotOptions, output::progress};
+use lin_canny_cli::{RobotOptions, output::progress, values};
 use lin_canny_robot::Trajectory;
 use lin_canny_robot::plan::{
     Cell, CellBody, CellPair, Checker, JointCurve, JointMotion, JointTree, NearPair, PlanError, SegmentClearance,
@@ -37,11 +37,15 @@ pub(crate) struct ClearanceOptions {
     /// Pairs that are measured
     #[arg(long, value_enum, default_value = "all", requires_if("cell", "cell"))]
     against: Against,
+    /// Required distance of all pairs in metres, without their paddings [default: that of the cell, or 0]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
+    margin: Option<f64>,
     /// Measure the least clearance along the motion from row to row, at constant joint speeds; its
     /// bounds differ by 0.1 %, or by up to 10 % if a pair comes close for a short time
     #[arg(long, conflicts_with_all = ["record", "page"])]
     along: bool,
-    /// Output file with the closest pair and its distance at each row, or along each segment
+    /// Output file with the pair of each row, or of each segment, that is closest to its required
+    /// distance, and its distance; `excess` is the distance less the required one
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
     /// Add a column to OUT.csv for each pair of links, or of a link and an obstacle: the signed
@@ -53,7 +57,10 @@ pub(crate) struct ClearanceOptions {
 }
 
 pub(crate) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
-    let (robot, cell) = options.robot.load()?;
+    let (robot, mut cell) = options.robot.load()?;
+    if let Some(margin) = options.margin {
+        cell.set_margin(margin)?;
+    }
     let rows = options
         .rows
         .load(&options.robot, &robot, &cell, if options.along { 2 } else { 1 })?;
@@ -82,9 +89,12 @@ fn checker(cell: &Cell, against: Against) -> Result<Checker<JointTree>, ToolErro
     Ok(Checker::of_robots(cell)?)
 }
 
-const COLUMNS: [&str; 13] = [
-    "line", "time", "distance", "lower", "upper", "a", "b", "a_x", "a_y", "a_z", "b_x", "b_y", "b_z",
+const COLUMNS: [&str; 14] = [
+    "line", "time", "distance", "lower", "upper", "excess", "a", "b", "a_x", "a_y", "a_z", "b_x", "b_y", "b_z",
 ];
+
+/// What rows and segments are that do not keep a required distance.
+const CLOSER: &str = "closer than required";
 
 fn measure_rows(
     options: &ClearanceOptions,
@@ -98,17 +108,21 @@ fn measure_rows(
     } else {
         Default::default()
     };
-    let slack = if options.pairs { f64::INFINITY } else { 0.0 };
     let mut table = Table::new(COLUMNS.into_iter().chain(titles.iter().map(String::as_str)));
     let mut recorder = options.film.start(checker, first)?;
     let bar = progress("rows", rows.rows.len() as u64);
-    let (mut least, mut contacts): (Option<(u32, NearPair)>, usize) = (None, 0);
+    let (mut least, mut too_close): (Option<(u32, NearPair)>, usize) = (None, 0);
     for (k, q) in rows.rows.iter().enumerate() {
         let line = rows.lines[k];
         bar.inc(1);
         set_time(options, checker, rows, k)?;
-        let found = checker.nearest(q, slack)?;
-        let Some(near) = found.first() else { continue };
+        let found = match options.pairs {
+            true => checker.nearest(q, f64::INFINITY)?,
+            false => checker.least_excess(q)?.into_iter().collect(),
+        };
+        let Some(near) = found.iter().min_by(|x, y| x.excess.total_cmp(&y.excess)) else {
+            continue;
+        };
         if let Some(recorder) = &mut recorder {
             recorder.frame(checker, q, &format!("line {line}"), near)?;
         }
@@ -119,13 +133,13 @@ fn measure_rows(
         }
         let mut cells = vec![line.to_string()];
         cells.push(rows.times.as_ref().map_or(String::new(), |t| t[k].to_string()));
-        cells.extend([near.distance, near.lower, near.upper].map(|x| x.to_string()));
+        cells.extend([near.distance, near.lower, near.upper, near.excess].map(|x| x.to_string()));
         cells.extend(names(checker, near.pair));
         cells.extend(near.witnesses.iter().flat_map(|p| p.iter().map(f64::to_string)));
         cells.extend(distances.iter().map(f64::to_string));
         table.row(&cells);
-        contacts += usize::from(near.distance <= 0.0);
-        if least.as_ref().is_none_or(|(_, other)| near.distance < other.distance) {
+        too_close += usize::from(near.excess <= 0.0);
+        if least.as_ref().is_none_or(|(_, other)| near.excess < other.excess) {
             least = Some((line, near.clone()));
         }
     }
@@ -139,10 +153,20 @@ fn measure_rows(
         Some((line, near)) => {
             let [a, b] = names(checker, near.pair);
             let least = distance(near.lower, near.upper);
-            say!("{count} rows, {contacts} in contact; least clearance {least} at line {line}: {a} - {b}");
+            if checker.cell().requires_distance() {
+                let required = checker.cell().required_distance(near.pair);
+                let excess = distance(near.lower - required.distance, near.upper - required.distance);
+                let required = checker.show(&required).length(" m");
+                say!(
+                    "{count} rows, {too_close} {CLOSER}; least excess {excess} at line {line}: {a} - {b}, \
+                     {least} apart, required {required}"
+                );
+            } else {
+                say!("{count} rows, {too_close} in contact; least clearance {least} at line {line}: {a} - {b}");
+            }
         }
     }
-    Ok((table, if contacts > 0 { End::Blocked } else { End::Free }))
+    Ok((table, if too_close > 0 { End::Blocked } else { End::Free }))
 }
 
 /// Puts moving obstacles where they are at the time of a row.
@@ -180,12 +204,13 @@ fn pair_columns(
     Ok((titles, columns))
 }
 
-const SEGMENT_COLUMNS: [&str; 9] = [
+const SEGMENT_COLUMNS: [&str; 10] = [
     "from_line",
     "to_line",
     "verdict",
     "lower",
     "upper",
+    "excess",
     "t",
     "time",
     "a",
@@ -216,8 +241,13 @@ fn measure_segments(
         let Some(pair) = found.pair else { continue };
         let ([a, b], time) = (names(checker, pair), time_at(rows, k, found.t));
         let (at, far) = (place(found.t, time), distance(found.lower, found.upper));
+        let required = checker.cell().required_distance(pair);
         let (verdict, text) = match end {
             End::Free => ("free", format!("least clearance {far} {at}")),
+            End::Blocked if required.distance > 0.0 => {
+                let required = checker.show(&required).length(" m");
+                ("blocked", format!("first within {required} {at}"))
+            }
             End::Blocked => ("blocked", format!("first contact {at}")),
             _ => ("undecided", format!("undecided, {far} {at}")),
         };
@@ -225,9 +255,10 @@ fn measure_segments(
         bar.suspend(|| say!("lines {from} to {to}: {text}: {a} - {b}"));
         let lower = Some(found.lower).filter(|lower| lower.is_finite());
         let [lower, time] = [lower, time].map(|x| x.map_or(String::new(), |x| x.to_string()));
-        let [upper, t] = [found.upper, found.t].map(|x| x.to_string());
+        let [upper, excess, t] = [found.upper, found.upper - required.distance, found.t].map(|x| x.to_string());
         let verdict = verdict.to_owned();
-        table.row([from.to_string(), to.to_string(), verdict, lower, upper, t, time, a, b]);
+        let [from, to] = [from, to].map(|line| line.to_string());
+        table.row([from, to, verdict, lower, upper, excess, t, time, a, b]);
         contacts += usize::from(end == End::Blocked);
         worst = worst.max(end);
         if least.is_none_or(|(_, other)| found.upper < other.upper) {
@@ -235,12 +266,17 @@ fn measure_segments(
         }
     }
     bar.finish_and_clear();
+    let too_close = if checker.cell().requires_distance() {
+        CLOSER
+    } else {
+        "in contact"
+    };
     match least {
         None => say!("{count} segments; no pair to measure"),
-        Some(_) if contacts > 0 => say!("{contacts} of {count} segments in contact"),
+        Some(_) if contacts > 0 => say!("{contacts} of {count} segments {too_close}"),
         Some((k, found)) => {
             let (from, to, far) = (rows.lines[k], rows.lines[k + 1], distance(found.lower, found.upper));
-            say!("0 of {count} segments in contact; least clearance {far} on lines {from} to {to}");
+            say!("0 of {count} segments {too_close}; least clearance {far} on lines {from} to {to}");
         }
     }
     Ok((table, worst))
@@ -250,23 +286,30 @@ fn measure_segments(
 /// comes much closer than at the sampled configurations.
 const WIDTHS: [f64; 3] = [1e-3, 1e-2, 1e-1];
 
-/// Returns the least clearance along a segment, or its first contact. The lower bound is minus
-/// infinity if the clearance is not proven.
+/// Returns the least clearance along a segment; if it is blocked, the pair and the time with the
+/// required distance as upper bound. The lower bound is minus infinity if nothing is proven.
 fn clearance_along(checker: &mut Checker<JointTree>, curve: &JointCurve) -> Result<(End, SegmentClearance), PlanError> {
     let mut found = checker.clearance_along(&JointMotion::curve(curve), WIDTHS[0])?;
-    if found.lower > 0.0 {
+    let is_apart = found.lower > 0.0;
+    if is_apart && !checker.cell().requires_distance() {
         return Ok((End::Free, found));
     }
     let end = match checker.certify(&JointMotion::curve(curve))? {
         Verdict::Free { .. } => End::Free,
         Verdict::Blocked {
-            contact_at: t, pair, ..
+            contact_at: t,
+            pair,
+            required,
+            ..
         } => {
-            (found.upper, found.t, found.pair) = (0.0, t, Some(pair));
+            (found.upper, found.t, found.pair) = (required.distance, t, Some(pair));
             End::Blocked
         }
         _ => End::Unknown,
     };
+    if is_apart {
+        return Ok((end, found));
+    }
     if end != End::Free {
         found.lower = f64::NEG_INFINITY;
         return Ok((end, found));

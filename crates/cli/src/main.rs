@@ -39,13 +39,14 @@ const ENDS: &str = "\
 Exit codes:
   0  every row is clear, every segment is proven free, a path was found, a file was written, a
      receipt holds, or `audit` decided every pair
-  1  a row is in contact, a segment is blocked, a receipt does not hold, or a pair excluded as
-     `Never` can meet
+  1  a row is in contact or closer than required, a segment is blocked, a receipt does not hold,
+     or a pair excluded as `Never` can meet
   2  wrong arguments
   3  a file is invalid or cannot be written
-  4  undecided: a pair is within rounding error of contact, or `audit` left a pair open
+  4  undecided: a pair is within rounding error of contact or of its required distance, or `audit`
+     left a pair open
   5  no path found within the limits; a path may exist
-  6  the start or the goal of `plan` is in contact or within the margin";
+  6  the start or the goal of `plan` is in contact or closer than required";
 
 /// Compute clearances, proven motions and paths of a robot from its URDF, MJCF or SDFormat, and
 /// distances of points
@@ -58,7 +59,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Find the closest pair at each row of a file of configurations, or along the motion between
+    /// Find the closest pair at each row of a file of configurations, or along the motion between, and
+    /// whether pairs keep their required distance
     Clearance(clearance::ClearanceOptions),
     /// Prove that the motion from row to row is free, or report the time and the pair that collides
     Certify(certify::CertifyOptions),

@@ -48,7 +48,7 @@ pub(crate) struct PlanArguments {
     csv: Option<PathBuf>,
     #[command(flatten)]
     film: FilmOptions,
-    /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
+    /// Required distance of all pairs in metres, without their paddings [default: that of the cell, or 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     margin: Option<f64>,
     #[command(flatten)]
@@ -114,7 +114,7 @@ pub(crate) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     Ok(End::Free)
 }
 
-/// Returns the error of a start or goal in contact or within the margin, with its closest pair.
+/// Returns the error of a start or goal at which a pair does not keep its required distance.
 fn blocked(
     options: &PlanArguments,
     checker: &mut Checker<JointTree>,
@@ -123,14 +123,16 @@ fn blocked(
     [mut a, mut b]: [String; 2],
 ) -> ToolError {
     let row = if end == "start" { 0 } else { rows.rows.len() - 1 };
-    let mut how = "in contact or closer than the margin".to_owned();
-    if let Ok(Some(near)) = checker.clearance(&rows.rows[row]) {
+    let mut how = "in contact or closer than required".to_owned();
+    if let Ok(Some(near)) = checker.least_excess(&rows.rows[row]) {
         [a, b] = names(checker, near.pair);
-        let (far, margin) = (distance(near.lower, near.upper), checker.cell().margin());
+        let far = distance(near.lower, near.upper);
+        let required = checker.cell().required_distance(near.pair);
+        let required = checker.show(&required).length(" m");
         how = if near.upper <= 0.0 {
             format!("in contact at the {end}")
         } else {
-            format!("{far} apart at the {end} (expected more than {margin} m)")
+            format!("{far} apart at the {end} (expected more than {required})")
         };
     }
     ToolError::Blocked {

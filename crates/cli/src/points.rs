@@ -25,7 +25,8 @@ pub(crate) struct PointOptions {
     #[arg(long, value_name = "FILE", required_unless_present = "grid")]
     points: Option<PathBuf>,
     /// Output file with one row per point: the point, the signed distance and its bounds, the side,
-    /// the closest point and its triangle
+    /// the closest point and its triangle. A point without a return (NaN or infinite) has the side
+    /// `invalid` and no more
     #[arg(long, value_name = "OUT.csv", requires = "points")]
     csv: Option<PathBuf>,
     #[command(flatten)]
@@ -57,8 +58,10 @@ pub(crate) fn run(options: &PointOptions) -> Result<End, ToolError> {
 
 /// Measures the points of a file.
 fn measure(file: &Path, options: &PointOptions, mesh: &Mesh) -> Result<(), ToolError> {
-    let points = PointFile::read_with(file, Invalid::Refuse)?.points;
-    let points: Vec<_> = points.to_f64().into_iter().map(Point3::from).collect();
+    let rows = PointFile::read_with(file, Invalid::Keep)?.points.to_f64();
+    // A depth image has points without a return: each has a row, and no answer.
+    let is_valid = |point: &[f64; 3]| point.iter().all(|x| x.is_finite());
+    let points: Vec<_> = rows.iter().filter(|p| is_valid(p)).copied().map(Point3::from).collect();
     let query = PointQuery::new(mesh).prepared_for(points.len());
     let bar = progress("points", points.len() as u64);
     let mut found: Vec<PointOutcome> = Vec::with_capacity(points.len());
@@ -69,28 +72,32 @@ fn measure(file: &Path, options: &PointOptions, mesh: &Mesh) -> Result<(), ToolE
     bar.finish_and_clear();
     let inside = found.iter().filter(|f| f.is_contained()).count();
     let least = found.iter().map(|f| f.distance).fold(f64::INFINITY, f64::min);
+    let without = match rows.len() - points.len() {
+        0 => String::new(),
+        count => format!(", {count} without a return"),
+    };
+    let least = match found.is_empty() {
+        true => String::new(),
+        false => format!(", least signed distance {least}"),
+    };
     say!(
-        "{} points, {inside} in the body or on its surface, least signed distance {least}",
-        found.len()
+        "{} points{without}, {inside} in the body or on its surface{least}",
+        rows.len()
     );
     if let Some(csv) = &options.csv {
         let mut text = String::from("x,y,z,distance,lower,upper,state,closest_x,closest_y,closest_z,triangle\n");
-        for (p, f) in points.iter().zip(&found) {
-            let (at, closest) = (p.coords, f.point);
+        let mut answers = found.iter();
+        for row in &rows {
+            let [x, y, z] = row;
+            let Some(f) = is_valid(row).then(|| answers.next()).flatten() else {
+                let _ = writeln!(text, "{x},{y},{z},,,,invalid,,,,");
+                continue;
+            };
+            let closest = f.point;
             let _ = writeln!(
                 text,
-                "{},{},{},{},{},{},{},{},{},{},{}",
-                at.x,
-                at.y,
-                at.z,
-                f.distance,
-                f.lower,
-                f.upper,
-                f.state,
-                closest.x,
-                closest.y,
-                closest.z,
-                f.location.subshape
+                "{x},{y},{z},{},{},{},{},{},{},{},{}",
+                f.distance, f.lower, f.upper, f.state, closest.x, closest.y, closest.z, f.location.subshape
             );
         }
         write(csv, &text)?;

@@ -7,7 +7,7 @@ use lin_canny_cli::RobotOptions;
 use lin_canny_robot::plan::Cell;
 use lin_canny_robot::plan::receipt::{Receipt, ReceiptError};
 
-use crate::end::ToolError;
+use crate::end::{End, ToolError};
 use crate::text::write as write_text;
 
 /// Returns the error of a receipt that cannot be written or read.
@@ -15,6 +15,24 @@ pub(crate) fn refused(file: &Path, reason: impl ToString) -> ToolError {
     ToolError::Input {
         file: file.to_owned(),
         reason: reason.to_string(),
+    }
+}
+
+/// Writes a receipt as [`write`] does. Of a motion that is not free, a receipt that does not exist is a
+/// warning and `None`: the run ends with its verdict.
+pub(crate) fn write_unless_blocked(
+    file: &Path,
+    robot: &RobotOptions,
+    cell: &Cell,
+    receipt: Result<Receipt, ReceiptError>,
+    end: End,
+) -> Result<Option<usize>, ToolError> {
+    match receipt {
+        Err(error) if end != End::Free => {
+            warn!("warning: {}: not written: {error}", file.display());
+            Ok(None)
+        }
+        receipt => write(file, robot, cell, receipt).map(Some),
     }
 }
 

@@ -75,7 +75,8 @@ pub struct RobotOptions {
     #[arg(long)]
     pub skip_missing_meshes: bool,
     /// Add a padding to a link, an obstacle or an attached object, in metres: its pairs keep so much
-    /// more than the margin; may be repeated
+    /// more than the margin. The padding of a link covers what it carries, unless the object has a
+    /// padding; may be repeated
     #[arg(long, value_name = "NAME=LENGTH", value_parser = values::named_number)]
     pad: Vec<(String, f64)>,
     /// Exclude all pairs of two links, or of a link and an obstacle; may be repeated

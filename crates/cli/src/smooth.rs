@@ -40,7 +40,7 @@ pub(crate) struct SmoothArguments {
     /// Output file with the trajectory, for `certify --trajectory` [default: stdout]
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
-    /// Minimum distance of all pairs in metres [default: that of the cell, or 0]
+    /// Required distance of all pairs in metres, without their paddings [default: that of the cell, or 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     margin: Option<f64>,
 }

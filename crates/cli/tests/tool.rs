@@ -51,7 +51,7 @@ fn clearances_of_rows() {
         let rows: Vec<&str> = table.lines().collect();
         assert_eq!(rows.len(), 5);
         assert!(
-            rows[0].starts_with("line,time,distance,lower,upper,a,b") && rows[1].starts_with("3,0,0.0"),
+            rows[0].starts_with("line,time,distance,lower,upper,excess,a,b") && rows[1].starts_with("3,0,0.0"),
             "{table}"
         );
     }
@@ -811,7 +811,7 @@ fn a_blocked_start_or_goal_has_its_own_code() {
     let mut found = text.split(' ').filter_map(|word| word.parse::<f64>().ok());
     let [value, width] = [(); 2].map(|()| found.next().expect("a number"));
     assert!((value - side(0.5)).abs() <= width && width < 1e-4, "{text}");
-    let words = "m apart at the start (expected more than 1.2 m)";
+    let words = "m apart at the start (expected more than 1.2 m (margin))";
     assert!(
         text.contains("start_near.csv:2: arm and side ball are 1.0345 +- ") && text.contains(words),
         "{text}"
@@ -833,8 +833,151 @@ fn bodies_within_the_margin_are_not_said_to_meet() {
         .skip(2);
     let [at, time] = [(); 2].map(|()| found.next().expect("a number"));
     assert!((at - t).abs() < 1e-5 && (time - 3.0 * t).abs() < 3e-5, "{text}");
-    let words = "lines 2 to 3: arm - side ball come within 1.1 m at 0.9";
+    let words = "lines 2 to 3: arm - side ball come within 1.1 m (margin) at 0.9";
     assert!(text.contains(words) && !text.contains(" meet "), "{text}");
+}
+
+/// A padding, a margin and their sum are one rule: rows and motions that do not keep it end with 1, and say
+/// where it comes from.
+#[test]
+fn a_required_distance_is_that_of_rows_and_motions() {
+    let (robot, cell) = (swing(TURN), balls());
+    let text = std::fs::read_to_string(&cell).expect("the cell");
+    let with =
+        |name: &str, keys: &str| scratch(name, &text.replacen("{\"bodies\"", &format!("{{{keys}, \"bodies\""), 1));
+    let margin = with("margin.json", "\"margin\": 1.05");
+    let pair = with("pair.json", "\"margins\": [[\"arm\", \"side ball\", 1.05]]");
+    let sum = with("sum.json", "\"margin\": 0.5");
+    let (rows, out) = (
+        scratch("required.csv", "turn\n-1\n0.5\n"),
+        scratch("required_out.csv", ""),
+    );
+    for (cell, pad, required, origin) in [
+        (&cell, None, 0.0, ""),
+        (&margin, None, 1.05, "(margin)"),
+        (&pair, None, 1.05, "(margin of the pair)"),
+        (&cell, Some("side ball=1.05"), 1.05, "(padding of side ball)"),
+        (&cell, Some("arm=1.05"), 1.05, "(padding of arm)"),
+        (
+            &sum,
+            Some("side ball=0.55"),
+            1.05,
+            "(margin 0.5 + padding of side ball 0.55)",
+        ),
+    ] {
+        let mut arguments = vec!["--cell", cell, "--joints", &rows, "--csv", &out];
+        arguments.extend(pad.iter().flat_map(|pad| ["--pad", pad]));
+        let blocked = i32::from(required > 0.0);
+        let (code, text) = run_of(&robot, "clearance", &arguments);
+        assert_eq!(code, blocked, "{pad:?}: {text}");
+        let found = table(&out);
+        let row = found.last().expect("a row");
+        let [distance, excess] = ["distance", "excess"].map(|name| number(&row[name]));
+        assert!(
+            (distance - side(0.5)).abs() < 1e-12 && excess == distance - required,
+            "{row:?}"
+        );
+        assert_eq!([&*row["a"], &*row["b"]], ["arm", "side ball"]);
+        let all: Vec<f64> = found.iter().map(|row| number(&row["excess"])).collect();
+        let too_close = all.iter().filter(|excess| **excess <= 0.0).count();
+        assert_eq!(too_close, blocked as usize, "{all:?}");
+        let words = match required {
+            0.0 => "2 rows, 0 in contact; least clearance 1.0345 +- ".to_owned(),
+            _ => format!("m apart, required 1.05 m {origin}"),
+        };
+        assert!(text.contains(&words), "{text}");
+        assert!(
+            required == 0.0 || text.contains("2 rows, 1 closer than required; least excess -0.0155"),
+            "{text}"
+        );
+        // Along the motion.
+        let (code, text) = run_of(&robot, "clearance", &[&arguments[..], &["--along"]].concat());
+        assert_eq!(code, blocked, "{pad:?}: {text}");
+        let row = &table(&out)[0];
+        let [upper, excess] = ["upper", "excess"].map(|name| number(&row[name]));
+        assert_eq!([&*row["a"], &*row["b"]], ["arm", "side ball"]);
+        match required {
+            0.0 => assert!(excess == upper && text.contains("0 of 1 segments in contact"), "{text}"),
+            _ => {
+                assert_eq!(
+                    [&*row["verdict"], &*row["upper"], &*row["excess"]],
+                    ["blocked", "1.05", "0"]
+                );
+                let words = format!(": first within 1.05 m {origin} at 0.9");
+                assert!(
+                    text.contains(&words) && text.contains("1 of 1 segments closer than required"),
+                    "{text}"
+                );
+            }
+        }
+        // The proof of the motion says the same.
+        let (code, text) = run_of(&robot, "certify", &arguments);
+        assert_eq!(code, blocked, "{pad:?}: {text}");
+        let words = format!("arm - side ball come within 1.05 m {origin} at 0.9");
+        assert_eq!(text.contains(&words), required > 0.0, "{text}");
+        assert!(!text.contains(" meet "), "{text}");
+        // A search whose goal is too close names the same pair and distance.
+        let (code, text) = run_of(&robot, "plan", &arguments);
+        assert_eq!(code, 6 * blocked, "{pad:?}: {text}");
+        let words = format!("apart at the goal (expected more than 1.05 m {origin})");
+        assert_eq!(text.contains(&words), required > 0.0, "{text}");
+    }
+    // A margin of the options replaces that of the cell.
+    let arguments = ["--cell", &margin, "--joints", &rows, "--margin", "0"];
+    let (code, text) = run_of(&robot, "clearance", &arguments);
+    assert!(code == 0 && text.contains("2 rows, 0 in contact"), "{text}");
+    // Below the distance they do not meet: they come within.
+    let rows = scratch("meet.csv", "turn\n-1\n1.5\n");
+    let near = scratch(
+        "near_post.json",
+        "{\"bodies\": [{\"name\": \"post\", \"sphere\": {\"radius\": 0.2}, \"xyz\": [1.301, 0, 0]}]}",
+    );
+    let arguments = ["--cell", &near, "--joints", &rows, "--pad", "post=0.01"];
+    let (code, text) = run_of(&robot, "certify", &arguments);
+    assert_eq!(code, 1, "{text}");
+    assert!(
+        text.contains("arm - post come within 0.01 m (padding of post) at "),
+        "{text}"
+    );
+}
+
+/// The padding of a link covers what it carries, unless the object has its own.
+#[test]
+fn the_padding_of_a_link_covers_an_attached_object() {
+    let (robot, cell) = (swing(TURN), balls());
+    let tool = scratch(
+        "tool.json",
+        r#"{"name": "tool", "sphere": {"radius": 0.1}, "xyz": [1.5, 0, 0], "touch_links": ["arm"]}"#,
+    );
+    let attach = format!("arm={tool}");
+    let rows = scratch("carried.csv", "turn\n-0.5\n");
+    let run = |more: &[&str]| {
+        let arguments = ["--cell", &cell, "--joints", &rows, "--attach", &attach];
+        let pairs = ["--against", "cell", "--exclude", "arm,side ball"];
+        run_of(&robot, "clearance", &[&arguments[..], &pairs, more].concat())
+    };
+    let (code, text) = run(&[]);
+    assert_eq!(code, 0, "{text}");
+    let (code, text) = run(&["--pad", "arm=1.6"]);
+    assert!(
+        code == 1 && text.contains("tool - far ball") && text.contains("(padding of arm)"),
+        "{text}"
+    );
+    let (code, text) = run(&["--pad", "arm=1.6", "--pad", "tool=0.1"]);
+    assert!(code == 0 && text.contains("1 rows, 0 closer than required"), "{text}");
+    // A padding of 0 of its own is saved in a cell.
+    let saved = scratch("carried.json", "");
+    let options = [
+        "--cell", &cell, "--attach", &attach, "--pad", "arm=1.6", "--pad", "tool=0", "--out", &saved,
+    ];
+    let (code, text) = run_of(&robot, "cell", &options);
+    assert!(code == 0 && text.contains("paddings: 3"), "{text}");
+    let arguments = ["--cell", &saved, "--joints", &rows, "--against", "cell"];
+    let (code, text) = run_of(&robot, "clearance", &arguments);
+    assert!(code == 1 && text.contains("arm - side ball"), "{code} {text}");
+    let more = ["--exclude", "arm,side ball"];
+    let (code, text) = run_of(&robot, "clearance", &[&arguments[..], &more].concat());
+    assert_eq!(code, 0, "{text}");
 }
 
 #[test]
@@ -985,6 +1128,7 @@ fn attached_objects_are_measured_and_wrong_names_are_named() {
         (["--pad", "hnad=1"], "hnad"),
         (["--exclude", "gripper"], "two names"),
         (["--exclude", "gripper,tabel"], "tabel"),
+        (["--exclude", "gripper,gripper"], "\"gripper\" has no pair with itself"),
     ] {
         let (code, text) = run(
             "clearance",
@@ -1021,7 +1165,7 @@ fn the_world_of_the_options_is_saved_as_a_cell() {
         assert!(code <= 1, "{code} {text}");
         (text, std::fs::read_to_string(&out).expect("the table"))
     };
-    let by_options = measured(&with(&options), "by_options.csv");
+    let by_options = measured(&with(&[&options[..], &["--margin", "0.04"]].concat()), "by_options.csv");
     let head = by_options.1.lines().next().expect("a head");
     assert!(head.contains("part") && !head.contains("part - table"), "{head}");
     // The SRDF is in the cell.
@@ -1060,13 +1204,17 @@ fn a_part_is_lifted_from_the_table() {
     );
     let cell = scratch(
         "floor.json",
-        r#"{"bodies": [{"name": "floor", "half_space": {"normal": [0, 0, 1], "offset": -0.1}}]}"#,
+        r#"{"bodies": [{"name": "floor", "half_space": {"normal": [0, 0, 1], "offset": -0.1}},
+        {"name": "lid", "half_space": {"normal": [0, 0, -1], "offset": -0.9}}]}"#,
     );
-    let [up, down] = [("up.csv", 0.5), ("down.csv", -0.01)].map(|(name, z)| scratch(name, &format!("lift\n0\n{z}\n")));
+    let [up, down, under] = [("up.csv", 0.5), ("down.csv", -0.01), ("under.csv", 0.9)]
+        .map(|(name, z)| scratch(name, &format!("lift\n0\n{z}\n")));
     for (rows, option, expected, said) in [
         (&up, None, 1, "part - floor meet"),
         (&up, Some("0.001"), 0, "part - floor leave their contact"),
         (&down, Some("0.001"), 1, "part - floor meet"),
+        (&under, Some("0.001"), 1, "part - floor leave their contact"),
+        (&under, Some("0.001"), 1, "part - lid meet"),
     ] {
         let mut arguments = vec!["--cell", &cell, "--joints", rows];
         arguments.extend(option.iter().flat_map(|length| ["--start-contact", length]));
@@ -1075,6 +1223,61 @@ fn a_part_is_lifted_from_the_table() {
     }
     let (code, text) = run_of(&robot, "certify", &["--joints", &up, "--start-contact", "-1"]);
     assert!(code > 1, "{code} {text}");
+}
+
+/// A motion that is blocked ends with 1, also if what blocks has no receipt: the tool says why.
+#[test]
+fn a_blocked_motion_without_a_receipt_is_blocked() {
+    let robot = scratch(
+        "hoist.urdf",
+        "<robot name='r'><link name='rail'/><link name='part'><collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link>
+        <joint name='lift' type='prismatic'><parent link='rail'/><child link='part'/><axis xyz='0 0 1'/>
+        <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>",
+    );
+    // A half-space has no receipt.
+    let cell = scratch(
+        "floor.json",
+        r#"{"bodies": [{"name": "floor", "half_space": {"normal": [0, 0, 1], "offset": -0.5}}]}"#,
+    );
+    let [down, above] =
+        [("down.csv", -0.8), ("above.csv", 0.5)].map(|(name, z)| scratch(name, &format!("lift\n0\n{z}\n")));
+    let proof = scratch("none.jsonl", "");
+    std::fs::remove_file(&proof).expect("a file");
+    for option in ["--receipt", "--scene"] {
+        let (code, text) = run_of(&robot, "certify", &["--cell", &cell, "--joints", &down, option, &proof]);
+        assert_eq!(code, 1, "{option}: {text}");
+        assert!(
+            text.contains("part - floor meet at ") && text.contains("0 of 1 segments proven free"),
+            "{text}"
+        );
+        assert!(
+            text.contains("none.jsonl: not written: ") && text.contains("floor"),
+            "{text}"
+        );
+        assert!(!Path::new(&proof).exists());
+        // A free motion whose proof cannot be written has none: that is an error.
+        let (code, text) = run_of(
+            &robot,
+            "certify",
+            &["--cell", &cell, "--joints", &above, option, &proof],
+        );
+        assert!(
+            code == 3 && text.contains("none.jsonl: ") && text.contains("floor"),
+            "{option} {code}: {text}"
+        );
+    }
+    // A file that cannot be written is an error in both cases.
+    let nowhere = scratch("file", "") + "/x";
+    let box_cell = scratch(
+        "box.json",
+        r#"{"bodies": [{"name": "block", "box": {"size": [1, 1, 0.2]}, "xyz": [0, 0, -0.6]}]}"#,
+    );
+    let (code, text) = run_of(
+        &robot,
+        "certify",
+        &["--cell", &box_cell, "--joints", &down, "--receipt", &nowhere],
+    );
+    assert!(code == 3 && text.contains("cannot be written"), "{code}: {text}");
 }
 
 #[test]
@@ -1097,9 +1300,27 @@ fn points_have_signed_distances_from_a_mesh() {
     );
     let distance: f64 = field(2, 3).parse().expect("a number");
     assert!((distance - 0.5).abs() < 1e-15, "{table}");
-    let bad = scratch("bad.xyz", "0 0 0\nnan 0 0\n");
-    let (code, text) = run_of(&mesh, "points", &["--points", &bad]);
-    assert!(code == 3 && text.contains("bad.xyz"), "{code}: {text}");
+    // Points without a return have rows, and are counted.
+    let image = scratch("image.xyz", "nan nan nan\n0.25 0.25 0.25\ninf 0 0\n");
+    let (code, text) = run_of(&mesh, "points", &["--points", &image, "--csv", &out]);
+    let words = "3 points, 2 without a return, 1 in the body or on its surface, least signed distance -0.144";
+    assert!(code == 0 && text.contains(words), "{code}: {text}");
+    let lines = std::fs::read_to_string(&out).expect("the table");
+    let rows: Vec<&str> = lines.lines().collect();
+    assert_eq!(
+        [rows[1], rows[3]],
+        ["NaN,NaN,NaN,,,,invalid,,,,", "NaN,0,0,,,,invalid,,,,"]
+    );
+    assert!(
+        rows[2].starts_with("0.25,0.25,0.25,-0.144") && rows.len() == 4,
+        "{lines}"
+    );
+    let empty = scratch("empty.xyz", "nan nan nan\n");
+    let (code, text) = run_of(&mesh, "points", &["--points", &empty, "--csv", &out]);
+    assert!(
+        code == 0 && text.contains("1 points, 1 without a return, 0 in the body"),
+        "{code}: {text}"
+    );
 }
 
 #[test]

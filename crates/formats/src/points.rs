@@ -62,6 +62,9 @@ pub enum Invalid {
     Drop,
     /// Returns an error that names the first.
     Refuse,
+    /// Keeps them with their coordinates, for a reader that answers row by row. Their radii, if the
+    /// file has any, must be valid too.
+    Keep,
 }
 
 /// A point file as read.
@@ -70,7 +73,8 @@ pub enum Invalid {
 pub struct PointFile {
     /// The format.
     pub format: PointFormat,
-    /// The points whose coordinates are finite, in the order and the unit of the file; at least one.
+    /// The points whose coordinates are finite, in the order and the unit of the file; at least one. With
+    /// [`Invalid::Keep`] all points of the file.
     /// Images of points (a PCD whose height is more than 1, an array of more than two axes) are read
     /// row by row.
     pub points: Points,
@@ -144,14 +148,17 @@ impl PointList {
         let index = self.rows;
         self.rows += 1;
         if point.iter().any(|x| !x.is_finite()) {
-            self.dropped += 1;
-            return match self.invalid {
-                Invalid::Drop => Ok(()),
-                Invalid::Refuse => Err(Fault {
-                    line,
-                    fault: FormatFault::Invalid { index, point },
-                }),
-            };
+            match self.invalid {
+                Invalid::Drop => {
+                    self.dropped += 1;
+                    return Ok(());
+                }
+                Invalid::Refuse => {
+                    let fault = FormatFault::Invalid { index, point };
+                    return Err(Fault { line, fault });
+                }
+                Invalid::Keep => {}
+            }
         }
         if let (Some(radii), Some(radius)) = (&mut self.radii, radius) {
             if !(radius >= 0.0 && radius.is_finite()) {

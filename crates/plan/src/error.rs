@@ -167,6 +167,9 @@ pub enum PlanError {
     /// Returned if a pair names a link that has no bodies, and thus no pairs.
     #[error("link {0:?} has no bodies, so it has no pairs")]
     WithoutBodies(String),
+    /// Returned if both bodies of a pair are the same body or link.
+    #[error("{0:?} has no pair with itself (expected two bodies)")]
+    Itself(String),
     /// Returned if an attached object or obstacle existed, but was removed.
     #[error("{0} was removed")]
     Removed(CellBody),
@@ -200,8 +203,8 @@ pub enum PlanError {
         /// Its error.
         error: std::boxed::Box<PlanError>,
     },
-    /// Returned if the robot is in contact, or closer than the margin, at the start or the goal.
-    #[error("{a} and {b} are in contact or closer than the margin at the {end}")]
+    /// Returned if a pair is in contact, or does not keep its required distance, at the start or the goal.
+    #[error("{a} and {b} are in contact or closer than required at the {end}")]
     Contact {
         /// `start` or `goal`.
         end: &'static str,

@@ -171,6 +171,7 @@ mod search;
 mod tolerance;
 
 pub use cell::attached_object::AttachedObject;
+pub use cell::margins_and_paddings::RequiredDistance;
 pub use cell::robot_model::{Coordinate, LinkBody, MotionKind, RobotJoint, RobotLink, RobotModel, turn_from_z};
 pub use cell::{Cell, Named};
 pub use check::batch::NearPairs;

@@ -1,9 +1,9 @@
 //! Arrays of numpy: reading of arguments, structured answers.
 
 use lin_canny::nalgebra::{Point3, Vector3};
-use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{Element, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PySlice};
+use pyo3::types::{PyDict, PyList, PySlice, PyTuple};
 
 /// A type of numbers that arguments are converted to.
 pub(crate) trait Number: Element {
@@ -35,12 +35,41 @@ pub(crate) struct Argument {
     pub(crate) error: fn(String) -> PyErr,
 }
 
+/// Returns an error if entries of a masked array are masked, or of one in a list or tuple: numpy drops the
+/// mask where it makes an array, and the numbers below it mean nothing.
+pub(crate) fn refuse_mask(obj: &Bound<'_, PyAny>, argument: Argument) -> PyResult<()> {
+    if obj.is_exact_instance_of::<PyUntypedArray>() {
+        return Ok(());
+    }
+    if let Ok(list) = obj.cast::<PyList>() {
+        return list.iter().try_for_each(|item| refuse_mask_of(&item, argument));
+    }
+    match obj.cast::<PyTuple>() {
+        Ok(items) => items.iter().try_for_each(|item| refuse_mask_of(&item, argument)),
+        Err(_) => refuse_mask_of(obj, argument),
+    }
+}
+
+fn refuse_mask_of(obj: &Bound<'_, PyAny>, Argument { name, error }: Argument) -> PyResult<()> {
+    if obj.is_exact_instance_of::<PyUntypedArray>() || !obj.is_instance_of::<PyUntypedArray>() {
+        return Ok(());
+    }
+    let masks = obj.py().import("numpy")?.getattr("ma")?;
+    match masks.call_method1("count_masked", (obj,))?.extract::<usize>()? {
+        0 => Ok(()),
+        count => Err(error(format!(
+            "{name}: the mask covers {count} entries (expected none; fill them, or drop their rows)"
+        ))),
+    }
+}
+
 /// Returns the argument as an array in row-major order: the array itself if it is one.
 pub(crate) fn contiguous<'py, T: Number>(
     obj: &Bound<'py, PyAny>,
     argument: Argument,
 ) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
     let (py, Argument { name, error }) = (obj.py(), argument);
+    refuse_mask(obj, argument)?;
     let numpy = py.import("numpy")?;
     let any = numpy
         .call_method1("asarray", (obj,))

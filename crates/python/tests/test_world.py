@@ -193,7 +193,7 @@ def test_an_attached_object_moves_with_its_link(checker):
     assert checker.attach("flange", "part", part, ((0, 0, -0.1), HERE), touch_links=["left", "right"]).kind == "attached"
     assert ("left", "part") in checker.excluded
     wall = checker.add_obstacle("wall", lc.Geometry.half_space([-1, 0, 0], -2))
-    assert checker.kept_distance(checker.ids[0], wall) == 0
+    assert checker.required_distance(checker.ids[0], wall) == 0
     rng = np.random.default_rng(3)
     for q in rng.uniform(LOW, HIGH, (50, 3)):
         pose = checker.link_pose("flange", q) @ np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, -0.1], [0, 0, 0, 1]])
@@ -219,7 +219,7 @@ def test_paddings_and_margins_of_pairs(checker):
     assert kept["wrist"] == pytest.approx(0.03) and kept["left"] == pytest.approx(0.035)
     assert checker.padding(post) == 0.02 and checker.clearance(q).distance == near.distance
     assert checker.set_pair_margin("wrist", post, 0.5) == [("wrist", "post")]
-    assert checker.kept_distance(near.ids[0], post) > 0
+    assert checker.required_distance(near.ids[0], post) > 0
     found = next(n for n in checker.nearest(q, 10) if (n.a, n.b) == ("wrist", "post"))
     assert found.distance - found.excess == pytest.approx(0.52) and checker.is_free(q) == (found.distance > 0.52)
     checker.set_pair_margin("wrist", "post", None)
@@ -227,11 +227,48 @@ def test_paddings_and_margins_of_pairs(checker):
     assert found.distance - found.excess == pytest.approx(0.03)
 
 
+def test_a_verdict_says_what_a_pair_must_keep(checker):
+    q = [0.5, math.pi / 4, 0.0]
+    near = checker.clearance([0.5, 0.0, 0.0])
+    blocked = [
+        (lambda: checker.pad("post", 0.01), 0.01, "(padding of post)"),
+        (lambda: setattr(checker, "margin", 0.02), 0.03, "(margin 0.02 + padding of post 0.01)"),
+        (lambda: checker.set_pair_margin("wrist", "post", 0.5), 0.51, "(margin of the pair 0.5 + padding of post 0.01)"),
+    ]
+    for change, distance, origin in blocked:
+        change()
+        verdict = checker.certify([0.5, 0, 0], q)
+        assert verdict.pair == ("wrist", "post") and verdict.required_distance == pytest.approx(distance)
+        for text in (str(verdict), repr(verdict)):
+            assert f"come within {distance} {origin}" in text and "meet" not in text
+    assert checker.certify([0.5, 0, 0], [0.5, 0, 0]).required_distance in (None, verdict.required_distance)
+    assert near.distance == checker.clearance([0.5, 0.0, 0.0]).distance
+
+
+def test_the_padding_of_a_link_covers_what_it_carries(checker):
+    post = checker.ids[-1]
+    part = checker.attach("flange", "part", lc.Geometry.ball(0.05), ((0.1, 0, 0), HERE), touch_links=["left", "right"])
+    late = checker.attach("wrist", "late", lc.Geometry.ball(0.05), ((0.1, 0, 0), HERE))
+    checker.pad("wrist", 0.02)
+    assert checker.padding(late) == 0.02 and checker.required_distance(late, post) == 0.02
+    assert checker.padding(part) == 0
+    checker.pad("late", 0)
+    assert checker.required_distance(late, post) == 0
+    checker.pad("late", 0.01)
+    assert checker.required_distance(late, post) == 0.01
+    checker.pad("late", None)
+    assert checker.required_distance(late, post) == 0.02
+    assert checker.padding(checker.detach_at("late", [0.5, 0, 0])) == 0
+
+
 def test_excluded_pairs(checker):
     q = [0.5, math.pi / 4, 0.0]
     assert checker.in_contact(q) == [("wrist", "post")] and not checker.is_free(q)
     verdict = checker.certify([0.5, 0, 0], q)
-    assert verdict.pair[1] == "post" and str(verdict).startswith(f"blocked by {verdict.pair[0]} and post at ")
+    assert verdict.pair[1] == "post" and str(verdict).startswith(
+        f"blocked by {verdict.pair[0]} and post, which meet at "
+    )
+    assert " meet between " in repr(verdict) and verdict.required_distance == 0
     taken = checker.exclude(["arm", "wrist", "left", "right"], "post")
     assert ("wrist", "post") in taken and checker.in_contact(q) == [] and checker.is_free(q)
     assert ("post", "wrist") in checker.excluded and ("arm", "base") in checker.excluded
@@ -349,6 +386,9 @@ def test_a_lift_starts_in_contact(checker):
     path = checker.certify_path([taken, lifted, [1.0, 0.5, 0.0]])
     assert path.is_free and [c.pair for c in path.start_contacts] == [("part", "table")]
     assert checker.certify(taken, pressed).pair == ("part", "table")
+    blocked = checker.certify_path([taken, lifted, pressed])
+    assert blocked.state == "blocked" and [c.pair for c in blocked.start_contacts] == [("part", "table")]
+    assert str(blocked).endswith("leaving the contact of part and table")
     slid = checker.certify(taken, [0.5, 0.05, 0.0])
     assert slid.is_free and slid.start_contacts[0].until is None
     checker.remove_obstacle(table)
@@ -396,10 +436,14 @@ def test_ids_are_values():
         (lambda c: c.pad("flange", 1), '"flange" has no bodies'),
         (lambda c: c.set_pair_margin("arm", "post", math.nan), "margin of a pair"),
         (lambda c: c.exclude("arm", "moon"), '"moon" does not exist'),
+        (lambda c: c.exclude("arm", "arm"), '"arm" has no pair with itself'),
+        (lambda c: c.nearest([0, 0, 0], -1), "slack of the distances is out of range: -1"),
+        (lambda c: c.nearest_batch(np.zeros((2, 3)), 1, slack=-1), "slack of the distances is out of range: -1"),
+        (lambda c: c.clearance(np.ma.masked_equal([0.0, 1, 0], 1)), "a configuration: the mask covers 1 entries"),
         (lambda c: c.include(lc.BodyId("obstacle", 9), "arm"), "obstacle 9 does not exist"),
         (lambda c: c.add_obstacle("x", lc.Geometry.ball(1), np.eye(4) * 1.0 + np.diag([0, 0, 0, 1.0])), "last row"),
         (lambda c: c.padding(lc.BodyId("attached", 0)), "attached object 0 does not exist"),
-        (lambda c: c.kept_distance(c.ids[-1], c.ids[-1]), "not a pair"),
+        (lambda c: c.required_distance(c.ids[-1], c.ids[-1]), "not a pair"),
         (lambda c: c.pose(c.ids[0], [0, 0]), r"2 numbers \(expected 3\)"),
         (lambda c: c.link_pose("hand", [0, 0, 0]), '"hand" does not exist'),
         (lambda c: c.nearest_batch([[0, 0, 0], [0, 4, 0]], 1), "configuration 1: coordinate 1"),

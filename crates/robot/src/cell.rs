@@ -190,7 +190,12 @@ impl NamedBodies {
     fn pairs(&self, cell: &Cell, [a, b]: &[BodyName; 2]) -> Result<Vec<CellPair>, PlanError> {
         let (first, second) = (self.select(cell, a)?, self.select(cell, b)?);
         let each = first.iter().flat_map(|a| second.iter().map(move |b| (*a, *b)));
-        Ok(each.filter_map(|(a, b)| CellPair::new(a, b)).collect())
+        let found: Vec<CellPair> = each.filter_map(|(a, b)| CellPair::new(a, b)).collect();
+        // A link with several bodies has pairs with itself, which a saved cell names.
+        match found.is_empty() && a == b {
+            true => Err(PlanError::Itself(a.to_string())),
+            false => Ok(found),
+        }
     }
 }
 

@@ -57,8 +57,8 @@ pub struct Srdf {
     pub states: Vec<GroupState>,
     /// The virtual joints, in the order of the file.
     pub virtual_joints: Vec<VirtualJoint>,
-    /// The elements that name a link, joint or group which does not exist, and chains whose base is
-    /// not an ancestor of their tip.
+    /// The elements that name a link, joint or group which does not exist, pairs of a link with itself,
+    /// and chains whose base is not an ancestor of their tip.
     pub skipped: Vec<Skipped>,
 }
 
@@ -113,6 +113,11 @@ impl Srdf {
             }
             let reason = attribute(&node, "reason").unwrap_or_default().to_owned();
             match (kind, <[String; 2]>::try_from(links)) {
+                (_, Ok([a, b])) if a == b => {
+                    let reason =
+                        FileErrorKind::Malformed(format!("link {a:?} has no pair with itself (expected two links)"));
+                    srdf.skipped.push(xml.error(&node, reason).into());
+                }
                 ("disable_collisions", Ok(links)) => srdf.excluded.push(ExcludedPair { links, reason }),
                 ("enable_collisions", Ok(links)) => srdf.enabled.push(links),
                 ("disable_default_collisions", Err(links)) => alone.extend(links),

@@ -11,7 +11,7 @@ use crate::error::StudyError;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct StudyOptions {
-    /// Minimum distance of all pairs for `is_free` and `certify`, in the robot's unit of length;
+    /// Required distance of all pairs for `is_free` and `certify`, in the robot's unit of length;
     /// `None` takes that of the cell, or else 0.
     pub margin: Option<f64>,
     /// Distance within which `certify` accepts a contact at the start of a segment

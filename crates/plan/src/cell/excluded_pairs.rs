@@ -17,8 +17,8 @@ impl Cell {
     /// body that is added later is not excluded, even if it has the name.
     ///
     /// # Errors
-    /// Returns an error if no body has one of the names, or if it is the name of a link without
-    /// bodies. Then nothing changes.
+    /// Returns an error if no body has one of the names, if it is the name of a link without bodies, or
+    /// if both are the same body or link. Then nothing changes.
     #[doc(alias = "allow")]
     #[doc(alias = "ignore")]
     #[doc(alias = "allowed collision matrix")]

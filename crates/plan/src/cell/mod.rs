@@ -2,7 +2,7 @@
 
 pub(crate) mod attached_object;
 mod excluded_pairs;
-mod margins_and_paddings;
+pub(crate) mod margins_and_paddings;
 pub(crate) mod mesh_hull;
 pub(crate) mod range_body;
 pub(crate) mod robot_model;
@@ -577,9 +577,16 @@ impl Cell {
         }
     }
 
-    /// Returns all pairs of a body of `a` and a body of `b`, in ascending order.
+    /// Returns all pairs of a body of `a` and a body of `b`, in ascending order; an error if both are the
+    /// same body or link.
     pub(crate) fn pairs_of(&self, a: Select<'_>, b: Select<'_>) -> Result<Vec<CellPair>, PlanError> {
         let (first, second) = (self.select(a)?, self.select(b)?);
+        // The bodies of a name are those of one link, except for bodies without a robot.
+        let is_link = matches!(a, Select::Name(_)) && !self.robots.of_bodies.is_empty();
+        let is_same = first == second && (first.len() == 1 || is_link);
+        if let Some(id) = first.first().filter(|_| is_same) {
+            return Err(PlanError::Itself(self.show(id).to_string()));
+        }
         let pairs = first.iter().flat_map(|x| second.iter().map(move |y| (*x, *y)));
         let pairs: BTreeSet<_> = pairs.filter_map(|(x, y)| CellPair::new(x, y)).collect();
         Ok(pairs.into_iter().collect())

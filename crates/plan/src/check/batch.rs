@@ -113,8 +113,8 @@ impl<C: ConfigurationSpace + Clone + Sync> Checker<C> {
     ///
     /// # Errors
     /// Returns the error of the first configuration that is invalid ([`PlanError::Row`]), and an
-    /// error if the count of numbers is not a multiple of that of a configuration, or if rows times
-    /// columns do not fit into memory.
+    /// error if the count of numbers is not a multiple of that of a configuration, if `slack` is negative
+    /// or NaN, or if rows times columns do not fit into memory.
     pub fn nearest_batch(
         &self,
         configurations: &[f64],

@@ -185,9 +185,13 @@ impl<C: ConfigurationSpace> Checker<C> {
         for piece in 0..count {
             let now = Progress::new("pieces", piece, Some(count));
             if progress.as_mut().is_some_and(|call| call(now).is_break()) {
-                let free_until = 0.0;
+                let verdict = Verdict::Undecided {
+                    free_until: 0.0,
+                    piece,
+                    start_contacts: contacts,
+                };
                 return Ok(Certified {
-                    verdict: Verdict::Undecided { free_until, piece },
+                    verdict,
                     pieces: count,
                     proofs,
                     is_stopped: true,

@@ -85,7 +85,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Removes an attached object, and leaves it as an obstacle where it is at a configuration.
     ///
-    /// The obstacle has the name and the padding of the object, and a new id. Excluded pairs and
+    /// The obstacle has the name and the own padding of the object, and a new id. Excluded pairs and
     /// margins of pairs end with the object.
     ///
     /// # Errors
@@ -115,12 +115,10 @@ impl<C: ConfigurationSpace> Checker<C> {
         let pose = self.pose(id, configuration)?;
         resting(&object.geometry, &pose)?;
         let mut cell = self.cell_mut();
-        let padding = cell.padding(id);
+        let padding = cell.own_padding(id);
         cell.detach(id)?;
         let left = cell.add_obstacle(object.name, object.geometry, pose)?;
-        if padding > 0.0 {
-            cell.pad(left, padding)?;
-        }
+        cell.pad(left, padding)?;
         Ok(left)
     }
 
@@ -233,7 +231,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         changes.pairs.iter().for_each(|pair| self.set_pair(*pair));
         if changes.margin {
             for index in self.pairs.ordered() {
-                self.pairs.all[index].kept = self.cell.kept_distance(self.pairs.all[index].pair);
+                self.pairs.all[index].kept = self.cell.required_distance(self.pairs.all[index].pair).distance;
             }
         }
         self.has_parts = self.cell.has_parts();
@@ -279,7 +277,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let is_measured = [pair.a, pair.b].iter().all(|id| self.cell.contains(*id))
             && !self.cell.excluded.contains_key(&pair)
             && !self.is_rigid(pair);
-        let kept = is_measured.then(|| self.cell.kept_distance(pair));
+        let kept = is_measured.then(|| self.cell.required_distance(pair).distance);
         if let Some(index) = self.pairs.set(pair, kept) {
             self.hits.retain(|k| *k != index);
         }

@@ -170,8 +170,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// A pair that is within this distance at the start of a segment, or overlaps by no more, is
     /// accepted if it is proven not to come closer than at the start, minus `2^-30` of the pair
     /// size, until it has left the margin. From then on it must keep its distance like any other
-    /// pair. Sliding along a face is accepted too. [`Verdict::Free`] lists such pairs. A contact with
-    /// a moving obstacle is never accepted.
+    /// pair. Sliding along a face is accepted too. [`Verdict::start_contacts`] lists such pairs. A
+    /// contact with a moving obstacle is never accepted.
     ///
     /// The option acts on motions ([`certify`](Self::certify), [`is_free`](Self::is_free)), not on
     /// configurations ([`is_free_at`](Self::is_free_at)), tubes or
@@ -183,7 +183,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// ```
     /// # use lin_canny::nalgebra::{Isometry3, Vector3};
     /// # use lin_canny::polyhedron::solids;
-    /// # use lin_canny_plan::{Checker, JointMotion, RigidSpace, Verdict, Cell};
+    /// # use lin_canny_plan::{Checker, JointMotion, RigidSpace, Cell};
     /// # let mut cell = Cell::new();
     /// # cell.robot_body("part", solids::cuboid(Vector3::new(0.1, 0.1, 0.1))?);
     /// # let table = solids::cuboid(Vector3::new(1.0, 1.0, 0.1))?;
@@ -194,7 +194,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// assert!(!checker.certify(&JointMotion::segment(&table, &above))?.is_free());
     /// checker.set_start_contact_margin(Some(1e-3))?;
     /// let verdict = checker.certify(&JointMotion::segment(&table, &above))?;
-    /// assert!(matches!(verdict, Verdict::Free { start_contacts, .. } if start_contacts.len() == 1));
+    /// assert!(verdict.is_free() && verdict.start_contacts().len() == 1);
     /// assert!(checker.certify(&JointMotion::segment(&table, &at(0.5, 0.1)))?.is_free());
     /// assert!(!checker.certify(&JointMotion::segment(&table, &at(0.5, 0.09)))?.is_free());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -377,7 +377,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # let mut checker = Checker::new(RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1)?, cell)?;
     /// let [p, q] = [-1.0, 1.0].map(|x| [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
     /// let verdict = checker.certify(&JointMotion::segment(&p, &q))?;
-    /// assert!(checker.show(&verdict).to_string().starts_with("blocked by drone and mast at 0.4"));
+    /// assert!(checker.show(&verdict).to_string().starts_with("blocked by drone and mast, which meet at 0.4"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn show<'a, T>(&'a self, value: &'a T) -> Named<'a, T> {
@@ -547,11 +547,14 @@ impl<C: ConfigurationSpace> Checker<C> {
                 Some((t, seen)) => {
                     let pair = self.pairs.all[k].pair;
                     let points = [seen.point_on_a, seen.point_on_b];
+                    let mut required = self.cell.required_distance(pair);
+                    required.tube = (kept - required.distance).larger(0.0);
                     Verdict::Blocked {
                         free_until: safe,
                         contact_at: t,
                         piece: 0,
                         pair,
+                        required,
                         witnesses: self.in_world(segment, pair, safe, points),
                         start_contacts: Vec::new(),
                     }
@@ -559,6 +562,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 None => Verdict::Undecided {
                     free_until: safe,
                     piece: 0,
+                    start_contacts: Vec::new(),
                 },
             });
             until = safe;

@@ -46,8 +46,8 @@ pub struct NearPair {
     pub lower: f64,
     /// Upper bound of the signed distance.
     pub upper: f64,
-    /// The signed distance less what the pair must keep
-    /// ([`Cell::kept_distance`](crate::Cell::kept_distance)).
+    /// The signed distance less the required distance of the pair
+    /// ([`Cell::required_distance`](crate::Cell::required_distance)).
     pub excess: f64,
     /// Witness points on both bodies, in the world.
     pub witnesses: [Point3<f64>; 2],
@@ -159,14 +159,36 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(near.pop())
     }
 
+    /// Returns the pair of least [`excess`](NearPair::excess) at a configuration; `None` if there is no
+    /// pair. The pair keeps its required distance if the excess is above 0, and then all pairs do.
+    ///
+    /// If all pairs have the same required distance, this is the pair of [`clearance`](Self::clearance).
+    ///
+    /// # Errors
+    /// Returns an error if the configuration is invalid.
+    pub fn least_excess(&mut self, configuration: &[f64]) -> Result<Option<NearPair>, PlanError> {
+        let slack = if self.pairs.is_uniform {
+            0.0
+        } else {
+            self.pairs.spread()
+        };
+        let near = self.nearest(configuration, slack)?;
+        // The first of equal pairs.
+        Ok(near.into_iter().min_by(|x, y| x.excess.total_cmp(&y.excess)))
+    }
+
     /// Returns all pairs whose signed distance exceeds the least by at most `slack`.
     ///
     /// The closest pair comes first, by true distance; [`NearPair::excess`] takes off what the pair
     /// must keep. These pairs are the active set of the clearance.
     ///
     /// # Errors
-    /// Returns an error if the configuration is invalid.
+    /// Returns an error if the configuration is invalid, or if `slack` is negative or NaN.
     pub fn nearest(&mut self, configuration: &[f64], slack: f64) -> Result<Vec<NearPair>, PlanError> {
+        if !(slack >= 0.0) {
+            let (what, value) = ("slack of the distances", slack);
+            return Err(PlanError::Value { what, value });
+        }
         self.space.check(configuration)?;
         self.check_time()?;
         self.nearest_within_rounding(configuration, slack)

@@ -7,6 +7,7 @@ use std::vec::Vec;
 use nalgebra::Point3;
 
 use crate::cell::Named;
+use crate::cell::margins_and_paddings::RequiredDistance;
 use crate::names::CellPair;
 use lin_canny::impact::StartContact;
 
@@ -36,11 +37,14 @@ pub enum Verdict {
         piece: usize,
         /// The pair.
         pair: CellPair,
+        /// The distance that the pair must keep, and where it comes from.
+        required: RequiredDistance,
         /// Closest points of `pair.a` and `pair.b` in the world, at `free_until`, or at `contact_at`
         /// if `free_until` is 0.
         witnesses: [Point3<f64>; 2],
-        /// The pairs that are in contact at the start and do not come closer, as in
-        /// [`Free`](Self::Free).
+        /// The pairs that are in contact at the start and do not come closer up to `free_until`, as in
+        /// [`Free`](Self::Free). They are not proven apart before they have left the contact. If
+        /// `free_until` is 0, the proof ends before it finds all of them.
         start_contacts: Vec<LeavingPair>,
     },
     /// Undecided: a pair is within rounding error of contact or of what it must keep, or the caller
@@ -51,6 +55,9 @@ pub enum Verdict {
         free_until: f64,
         /// Index of the piece.
         piece: usize,
+        /// The pairs that are in contact at the start and do not come closer, as in
+        /// [`Blocked`](Self::Blocked).
+        start_contacts: Vec<LeavingPair>,
     },
 }
 
@@ -102,6 +109,18 @@ impl Verdict {
         }
     }
 
+    /// Returns the contacts at the start that were accepted
+    /// ([`Checker::set_start_contact_margin`](crate::Checker::set_start_contact_margin)), on this piece
+    /// and on the pieces before.
+    #[must_use]
+    pub fn start_contacts(&self) -> &[LeavingPair] {
+        match self {
+            Self::Free { start_contacts, .. }
+            | Self::Blocked { start_contacts, .. }
+            | Self::Undecided { start_contacts, .. } => start_contacts,
+        }
+    }
+
     /// Returns the verdict with the index of the piece, and the contacts that were left on pieces
     /// before.
     pub(crate) fn on_piece(mut self, index: usize, mut before: Vec<LeavingPair>) -> Self {
@@ -112,54 +131,52 @@ impl Verdict {
             }
             Self::Blocked {
                 piece, start_contacts, ..
+            }
+            | Self::Undecided {
+                piece, start_contacts, ..
             } => {
                 before.append(start_contacts);
                 (*piece, *start_contacts) = (index, before);
             }
-            Self::Undecided { piece, .. } => *piece = index,
         }
         self
     }
 }
 
 impl fmt::Display for Named<'_, Verdict> {
-    /// Writes the verdict with the names of the pair; times are fractions of the piece, which is named
-    /// if it is not the first.
+    /// Writes the verdict with the names of the pair, what it had to keep, and the contacts at the start
+    /// that were accepted. Times are fractions of the piece, which is named if it is not the first.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let of = |piece: usize| match piece {
             0 => String::new(),
             _ => std::format!(" of piece {piece}"),
         };
-        match *self.value {
-            Verdict::Free {
-                clearance,
-                ref start_contacts,
-            } => {
-                write!(f, "free, with a clearance of more than {clearance:?}")?;
-                for (k, leaving) in start_contacts.iter().enumerate() {
-                    let pair = self.cell.show(&leaving.pair);
-                    write!(f, "{} {pair}", if k == 0 { ", leaving the contact of" } else { "," })?;
-                }
-                Ok(())
-            }
+        match self.value {
+            Verdict::Free { clearance, .. } => write!(f, "free, with a clearance of more than {clearance:?}")?,
             Verdict::Blocked {
                 free_until,
                 contact_at,
                 piece,
                 pair,
+                required,
                 ..
             } => {
-                let pair = self.cell.show(&pair);
+                let (pair, meet) = (self.cell.show(pair), self.cell.show(required).meet(""));
                 write!(
                     f,
-                    "blocked by {pair} at {contact_at:?}{} (free up to {free_until:?})",
-                    of(piece)
-                )
+                    "blocked by {pair}, which {meet} at {contact_at:?}{} (free up to {free_until:?})",
+                    of(*piece)
+                )?;
             }
-            Verdict::Undecided { free_until, piece } => {
-                write!(f, "undecided{} (free up to {free_until:?})", of(piece))
+            Verdict::Undecided { free_until, piece, .. } => {
+                write!(f, "undecided{} (free up to {free_until:?})", of(*piece))?;
             }
         }
+        for (k, leaving) in self.value.start_contacts().iter().enumerate() {
+            let pair = self.cell.show(&leaving.pair);
+            write!(f, "{} {pair}", if k == 0 { ", leaving the contact of" } else { "," })?;
+        }
+        Ok(())
     }
 }
 

@@ -257,12 +257,19 @@ impl<C: ConfigurationSpace> Checker<C> {
         progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<RangeAnswer, PlanError> {
         let pair = answer.pair;
+        match options.width {
+            Some(ClearanceWidth::Length(width) | ClearanceWidth::Share(width)) if !(width >= 0.0) => {
+                let (what, value) = ("width of the clearance", width);
+                return Err(PlanError::Value { what, value });
+            }
+            _ => {}
+        }
         let [low, high] = [0, 1].map(|k| answer.range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
         self.prepare_pair(pair)?;
         let chain = self.chain(pair, &low, &high)?;
         let shapes = self.cell.shapes(pair);
         let bodies = [pair.a, pair.b].map(|id| &self.range_bodies[&id]);
-        let kept = self.cell.kept_distance(pair);
+        let kept = self.cell.required_distance(pair).distance;
         let fingerprint = fingerprint_of(shapes, bodies, &chain, kept);
         let (space, places) = (&self.space, &self.pairs.places);
         let place = |q: &[f64], poses: &mut Vec<Isometry3<f64>>| {

@@ -105,7 +105,7 @@ impl PairBoxes {
             })?;
             found.push(Arc::new(ApartBoxes {
                 pair,
-                kept: checker.cell.kept_distance(pair),
+                kept: checker.cell.required_distance(pair).distance,
                 paths: checker.paths_of(pair),
                 boxes,
             }));

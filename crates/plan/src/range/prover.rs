@@ -63,7 +63,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         };
         let shapes = self.cell.shapes(pair);
         let bodies = [pair.a, pair.b].map(|id| &self.range_bodies[&id]);
-        let kept = self.cell.kept_distance(pair);
+        let kept = self.cell.required_distance(pair).distance;
         let range: Vec<[f64; 2]> = low.iter().zip(high).map(|(low, high)| [*low, *high]).collect();
         let mut search = Search {
             shapes,

@@ -197,10 +197,12 @@ impl fmt::Display for Named<'_, RangeAnswer> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let answer = self.value;
         let pair = self.cell.show(&answer.pair);
+        let required = self.cell.required_distance(answer.pair);
+        let meet = self.cell.show(&required).meet("");
         match &answer.verdict {
-            RangeVerdict::Never => write!(f, "{pair} never meet: {:?} to {:?} apart", answer.lower, answer.upper),
-            RangeVerdict::Always => write!(f, "{pair} always meet"),
-            RangeVerdict::Both { touching, .. } => write!(f, "{pair} meet at {touching:?}"),
+            RangeVerdict::Never => write!(f, "{pair} never {meet}: {:?} to {:?} apart", answer.lower, answer.upper),
+            RangeVerdict::Always => write!(f, "{pair} always {meet}"),
+            RangeVerdict::Both { touching, .. } => write!(f, "{pair} {meet} at {touching:?}"),
             RangeVerdict::Open { share } => {
                 let lower = answer.lower;
                 write!(

@@ -160,7 +160,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             let near = self.nearest(q, slack)?;
             let blocked = near
                 .iter()
-                .filter(|near| !(near.lower > self.cell.kept_distance(near.pair)));
+                .filter(|near| !(near.lower > self.cell.required_distance(near.pair).distance));
             if let Some(near) = blocked.min_by(|x, y| x.excess.total_cmp(&y.excess)) {
                 let (a, b) = (self.name(near.pair.a).to_string(), self.name(near.pair.b).to_string());
                 return Err(PlanError::Contact { end, a, b });

@@ -328,7 +328,7 @@ fn attached_objects_are_where_their_links_carry_them() {
                     "{n:?} {lower} {upper}"
                 );
                 least = least.min(n.excess);
-                let kept = checker.cell().kept_distance(n.pair);
+                let kept = checker.cell().required_distance(n.pair).distance;
                 assert_eq!(n.excess, n.distance - kept);
             }
             assert!(is_free == (least > 0.0) || least.abs() < 1e-9, "{least}");
@@ -363,7 +363,7 @@ fn judge_verdicts(motions: usize, places: usize, seed: u64) -> [usize; 2] {
             let at = checker.space().between(&q, &p, t);
             for pair in &all {
                 let [_, upper] = measured(placed(&checker, pair.a, &at), placed(&checker, pair.b, &at));
-                let kept = checker.cell().kept_distance(*pair);
+                let kept = checker.cell().required_distance(*pair).distance;
                 assert!(upper > kept - 1e-9, "{} at {t}: {upper}", checker.show(pair));
             }
         }
@@ -374,7 +374,7 @@ fn judge_verdicts(motions: usize, places: usize, seed: u64) -> [usize; 2] {
             let at = checker.space().between(&q, &p, t);
             let [lower, _] = measured(placed(&checker, pair.a, &at), placed(&checker, pair.b, &at));
             assert!(
-                lower <= checker.cell().kept_distance(pair) + 1e-9,
+                lower <= checker.cell().required_distance(pair).distance + 1e-9,
                 "{}",
                 checker.show(&verdict)
             );

@@ -222,7 +222,7 @@ fn hulls_keep_what_each_pair_must_keep() {
                     let relative = RelativePose::new(&a, &b).expect("poses are poses");
                     let [a, b] = [mover, other].map(|id| cell.geometry(id).expect("a body"));
                     let distance = PairTracker::new().closest(a, b, &relative).distance.max(0.0);
-                    least = least.min(distance - cell.kept_distance(pair));
+                    least = least.min(distance - cell.required_distance(pair).distance);
                 }
             }
             least

@@ -21,6 +21,7 @@ mod planner;
 mod range_cases;
 mod range_worlds;
 mod ranges;
+mod required;
 mod robots;
 mod smooth;
 mod spaces;

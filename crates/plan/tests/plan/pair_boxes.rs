@@ -91,7 +91,7 @@ fn random_robots(robots: Range<u64>, samples: u32, seed: u64) -> [u64; 3] {
         let mut with = first.fork().expect("a checker");
         let [free, lookups] = judge(&mut plain, &mut with, samples, &mut rng);
         // A pair that must keep more than its boxes prove is queried.
-        let kept = plain.cell().kept_distance(pair);
+        let kept = plain.cell().required_distance(pair).distance;
         for checker in [&mut plain, &mut with] {
             checker
                 .cell_mut()

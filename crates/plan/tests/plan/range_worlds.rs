@@ -23,7 +23,7 @@ fn measured<C: ConfigurationSpace>(checker: &Checker<C>, pair: CellPair, q: &[f6
     let mut tracker = PairTracker::new();
     let upper = tracker.closest(x, y, &pose).upper;
     tracker.reset();
-    let kept = checker.cell().kept_distance(pair);
+    let kept = checker.cell().required_distance(pair).distance;
     (upper, tracker.within(x, y, &pose, kept))
 }
 
@@ -35,7 +35,7 @@ fn judge<C: ConfigurationSpace>(checker: &Checker<C>, answer: &RangeAnswer, samp
             assert_eq!(measured(checker, answer.pair, q).1, is_touching, "{answer:?}");
         }
     }
-    let kept = checker.cell().kept_distance(answer.pair);
+    let kept = checker.cell().required_distance(answer.pair).distance;
     assert!(!answer.is_never() || answer.lower >= kept, "{answer:?}");
     for _ in 0..samples {
         let q = at(rng, [&low, &high]);

@@ -397,6 +397,18 @@ fn links_that_overlap_about_their_joint_always_meet() {
 }
 
 #[test]
+fn a_width_that_is_negative_is_an_error() {
+    let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-1.0, 1.0]);
+    let mut checker = moved(vec![turn], cube(0.1), cube(0.1));
+    for width in [ClearanceWidth::Length(-0.5), ClearanceWidth::Share(f64::NAN)] {
+        let options = RangeOptions::default().width(width);
+        let found = RangeProver::new(&options).pair(&mut checker, A, OTHER, &[-1.0], &[1.0]);
+        let words = "width of the clearance is out of range: ";
+        assert!(found.expect_err("a width").to_string().starts_with(words));
+    }
+}
+
+#[test]
 fn bodies_of_one_link_are_one_cell() {
     let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-1.0, 1.0]);
     let arm = JointTree::serial(Isometry3::identity(), vec![turn], vec![1, 1], 1.0).expect("an arm");

@@ -121,6 +121,8 @@ pub(crate) struct Verdict {
     verdict: Judged,
     pair: Option<Pair>,
     start_contacts: Vec<StartContact>,
+    /// What the pair that blocks does, in words.
+    meet: String,
     /// Of a trajectory, the times of `safe` and `blocked_at`.
     times: Option<[f64; 2]>,
     text: String,
@@ -133,12 +135,12 @@ impl Verdict {
             Judged::Blocked { pair, .. } => Some(names(checker, pair)),
             _ => None,
         };
-        let start_contacts = match &verdict {
-            Judged::Free { start_contacts, .. } => start_contacts
-                .iter()
-                .map(|leaving| StartContact::new(leaving.contact, Some(names(checker, leaving.pair))))
-                .collect(),
-            _ => Vec::new(),
+        let contacts = verdict.start_contacts().iter();
+        let contacts = contacts.map(|leaving| StartContact::new(leaving.contact, Some(names(checker, leaving.pair))));
+        let start_contacts = contacts.collect();
+        let meet = match &verdict {
+            Judged::Blocked { required, .. } => checker.show(required).meet(""),
+            _ => String::new(),
         };
         let text = checker.show(&verdict).to_string();
         Self {
@@ -146,6 +148,7 @@ impl Verdict {
             verdict,
             pair,
             start_contacts,
+            meet,
             times: None,
             text,
         }
@@ -171,8 +174,8 @@ impl Verdict {
         Err(no_condition("Verdict", "is_free"))
     }
 
-    /// "free" (every pair keeps its margin at every instant), "blocked" (a pair is proven not to)
-    /// or "undecided" (rounding hides it).
+    /// "free" (every pair keeps its required distance at every instant), "blocked" (a pair is proven not
+    /// to) or "undecided" (rounding hides it).
     ///
     /// With a tube, "blocked" only means that the tube is not proven free: a free motion may exist
     /// in it.
@@ -183,7 +186,8 @@ impl Verdict {
 
     /// The contacts at the start that were accepted: see `Checker.start_contact_margin`.
     ///
-    /// Of a path, those of all segments. Empty unless free.
+    /// Of a path, those of all segments up to the one that is not free. If `safe` is 0, the proof ends
+    /// before it finds all of that segment.
     #[getter]
     fn start_contacts(&self) -> Vec<StartContact> {
         self.start_contacts.clone()
@@ -202,7 +206,8 @@ impl Verdict {
         self.segment
     }
 
-    /// The time on the segment, 0 to 1, up to which all pairs are proven to keep the margin.
+    /// The time on the segment, 0 to 1, up to which all pairs are proven to keep their required
+    /// distances, `start_contacts` after they have left the contact.
     #[getter]
     fn safe(&self) -> f64 {
         self.verdict.free_until()
@@ -242,6 +247,16 @@ impl Verdict {
         self.pair.clone()
     }
 
+    /// The distance that the pair that blocks must keep, its margin plus both paddings; None unless
+    /// blocked. `str` says where it comes from.
+    #[getter]
+    fn required_distance(&self) -> Option<f64> {
+        match self.verdict {
+            Judged::Blocked { required, .. } => Some(required.distance),
+            _ => None,
+        }
+    }
+
     /// The closest points of the pair that blocks, at the time `safe`, in the world, each of shape
     /// (3,); None unless blocked.
     #[getter]
@@ -273,7 +288,8 @@ impl Verdict {
                 let time = time.map_or(String::new(), |time| {
                     format!(" of segment {}, time {time:.9}", self.segment)
                 });
-                format!("<Verdict blocked: {a:?} and {b:?} between {safe:.9} and {t:.9}{time}>")
+                let meet = &self.meet;
+                format!("<Verdict blocked: {a:?} and {b:?} {meet} between {safe:.9} and {t:.9}{time}>")
             }
             _ => format!("<Verdict {}>", self.state()),
         }

@@ -271,8 +271,10 @@ impl Checker {
 
     /// Sets the padding of bodies, a length: their pairs must keep so much more than the margin.
     ///
-    /// Returns the ids. Distances do not change; `NearPair.excess` takes the padding off.
-    fn pad(&mut self, bodies: Bodies, padding: f64) -> PyResult<Vec<BodyId>> {
+    /// The padding of a link covers the objects that it carries. An attached object with a padding of
+    /// its own has that instead, also if it is 0; None removes it. Returns the ids. Distances do not
+    /// change; `NearPair.excess` takes the padding off.
+    fn pad(&mut self, bodies: Bodies, padding: Option<f64>) -> PyResult<Vec<BodyId>> {
         ids(self.checker.cell_mut().pad(bodies.select(), padding))
     }
 
@@ -329,7 +331,7 @@ impl Checker {
         self.checker.cell().bodies().map(|(id, _)| BodyId(id)).collect()
     }
 
-    /// Returns the padding of a body, a length.
+    /// Returns the padding of a body, a length: of an attached object without its own, that of its link.
     ///
     /// body: a BodyId, or a name that stands for one body.
     fn padding(&self, body: Bodies) -> PyResult<f64> {
@@ -339,9 +341,9 @@ impl Checker {
     /// Returns the distance that two bodies must keep: their margin plus both paddings.
     ///
     /// a, b: a BodyId each, or a name that stands for one body.
-    fn kept_distance(&self, a: Bodies, b: Bodies) -> PyResult<f64> {
+    fn required_distance(&self, a: Bodies, b: Bodies) -> PyResult<f64> {
         let pair = self.pair_of(self.one_body(&a)?, self.one_body(&b)?)?;
-        Ok(self.checker.cell().kept_distance(pair))
+        Ok(self.checker.cell().required_distance(pair).distance)
     }
 
     /// Returns the pose of a body in the world at a configuration, shape (4, 4).

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use super::Geometry;
-use crate::array::{Argument, contiguous, numbers, of_triples, rows, shape_text, vector};
+use crate::array::{Argument, contiguous, numbers, of_triples, refuse_mask, rows, shape_text, vector};
 use crate::errors::{geometry_error, refused};
 
 const POINTS: Argument = Argument {
@@ -25,6 +25,10 @@ const CELLS: Argument = Argument {
     ..POINTS
 };
 const SIZE: Argument = Argument { name: "size", ..POINTS };
+const OCCUPIED: Argument = Argument {
+    name: "occupied",
+    ..POINTS
+};
 const ORIGIN: Argument = Argument {
     name: "origin",
     ..POINTS
@@ -196,6 +200,7 @@ impl Cloud {
         size: &Bound<'py, PyAny>,
         origin: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, Self>> {
+        refuse_mask(occupied, OCCUPIED)?;
         let numpy = py.import("numpy")?;
         let mask = numpy.call_method1("ascontiguousarray", (occupied,))?;
         let mask: numpy::PyReadonlyArrayDyn<'_, bool> = mask.extract().map_err(|_| {

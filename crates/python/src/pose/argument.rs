@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 
 use super::rigid;
-use crate::array::shape_text;
+use crate::array::{Argument, refuse_mask, shape_text};
 use crate::errors::pose_error;
 
 /// A pose as an argument.
@@ -37,6 +37,11 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Pose {
     }
 }
 
+const POSE: Argument = Argument {
+    name: "pose",
+    error: |why| pose_error(why),
+};
+
 /// Returns the pose of a float64 array of shape (4, 4) or (7,), of any strides; `None` for other
 /// objects.
 fn of_array(obj: Borrowed<'_, '_, PyAny>) -> Option<PyResult<Isometry3<f64>>> {
@@ -45,6 +50,9 @@ fn of_array(obj: Borrowed<'_, '_, PyAny>) -> Option<PyResult<Isometry3<f64>>> {
     };
     if array.shape() != [4, 4] {
         return Some(Err(wrong_shape(array.shape())));
+    }
+    if let Err(error) = refuse_mask(&obj, POSE) {
+        return Some(Err(error));
     }
     let mut m = [0.0; 16];
     let view = array.try_readonly().ok()?;
@@ -60,6 +68,9 @@ fn of_flat_array(obj: Borrowed<'_, '_, PyAny>) -> Option<PyResult<Isometry3<f64>
     let array = obj.cast::<PyArray1<f64>>().ok()?;
     if array.len() != 7 {
         return Some(Err(wrong_shape(array.shape())));
+    }
+    if let Err(error) = refuse_mask(&obj, POSE) {
+        return Some(Err(error));
     }
     let mut v = [0.0; 7];
     let view = array.try_readonly().ok()?;
@@ -104,6 +115,7 @@ fn floats<const N: usize>(obj: &Bound<'_, PyAny>, what: &str) -> PyResult<[f64; 
     if let Ok(array) = obj.cast::<PyArray1<f64>>()
         && array.len() == N
     {
+        refuse_mask(obj, POSE)?;
         let view = array.try_readonly()?;
         to.iter_mut().zip(view.as_array()).for_each(|(to, from)| *to = *from);
         return Ok(to);
@@ -155,6 +167,7 @@ fn of_object(obj: Borrowed<'_, '_, PyAny>) -> PyResult<Isometry3<f64>> {
     let options = PyDict::new(py);
     options.set_item("dtype", "float64")?;
     let matrix = matrix_of(&obj)?;
+    refuse_mask(&matrix, POSE)?;
     let array = py.import("numpy")?.call_method("asarray", (matrix,), Some(&options));
     let array = array.map_err(|e| refused(&e))?;
     match of_array(array.as_borrowed()) {

@@ -6,7 +6,7 @@ use pyo3::types::PyTuple;
 
 use super::PoseView;
 use super::argument::matrix_of;
-use crate::array::{Argument, contiguous, shape_text};
+use crate::array::{Argument, contiguous, refuse_mask, shape_text};
 use crate::errors::pose_error;
 
 const POSES: Argument = Argument {
@@ -49,6 +49,8 @@ fn joined<'py>(pair: &Bound<'py, PyTuple>) -> PyResult<PyReadonlyArrayDyn<'py, f
         Some(method) => method.call0()?,
         None => turns,
     };
+    // `hstack` drops masks.
+    refuse_mask(pair, POSES)?;
     let both = pair
         .py()
         .import("numpy")?

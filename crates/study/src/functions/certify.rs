@@ -48,26 +48,18 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
 /// Returns the fields of a verdict.
 pub(super) fn values(checker: &Checker<JointTree>, verdict: &Verdict) -> Vec<ScalarValue> {
     let (name, safe) = (text(verdict.name()), number(verdict.free_until()));
-    match verdict {
-        Verdict::Free { start_contacts, .. } if start_contacts.is_empty() => vec![name, safe],
-        Verdict::Free { start_contacts, .. } => {
-            let pairs = start_contacts
-                .iter()
-                .map(|leaving| checker.show(&leaving.pair).to_string());
-            let pairs = pairs.collect::<Vec<_>>().join(", ");
-            vec![
-                name,
-                safe,
-                ScalarValue::Null,
-                ScalarValue::Null,
-                ScalarValue::Null,
-                text(pairs),
-            ]
-        }
+    let mut fields = match verdict {
         Verdict::Blocked { contact_at, pair, .. } => {
             let [a, b] = [pair.a, pair.b].map(|part| text(checker.name(part)));
             vec![name, safe, number(*contact_at), a, b]
         }
         _ => vec![name, safe],
+    };
+    let leaving = verdict.start_contacts().iter();
+    let pairs: Vec<String> = leaving.map(|leaving| checker.show(&leaving.pair).to_string()).collect();
+    if !pairs.is_empty() {
+        fields.resize(5, ScalarValue::Null);
+        fields.push(text(pairs.join(", ")));
     }
+    fields
 }

@@ -11,7 +11,7 @@ use lin_canny_study::{Format, RunOptions, Study, StudyError, StudyOptions};
 pub(super) struct StudyArguments {
     #[command(flatten)]
     robot: RobotOptions,
-    /// Minimum distance for `is_free` and `certify`, in the unit of the robot [default: that of the
+    /// Required distance of all pairs for `is_free` and `certify`, in the unit of the robot [default: that of the
     /// cell, or 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     margin: Option<f64>,

@@ -297,7 +297,7 @@ impl Play {
         );
         let pose = RelativePose::new(&x, &y).map_err(|e| e.to_string())?;
         let found = PairTracker::new().closest(shape(pair.a)?, shape(pair.b)?, &pose);
-        let kept = cell.kept_distance(pair);
+        let kept = cell.required_distance(pair).distance;
         Ok(Excess {
             lower: found.lower - kept,
             upper: found.upper - kept,
@@ -325,7 +325,7 @@ impl Play {
         }
         self.mix.configurations[usize::from(!is_free)] += 1;
         // Margins and paddings do not change the distance.
-        let kept = |pair| self.checker.cell().kept_distance(pair);
+        let kept = |pair| self.checker.cell().required_distance(pair).distance;
         let apart: Vec<[f64; 2]> = all
             .iter()
             .map(|e| [e.lower + kept(e.pair), e.upper + kept(e.pair)])
@@ -420,7 +420,7 @@ impl Play {
         for k in 0..=8 {
             let (q, clock) = at(self, f64::from(k) / 8.0);
             for e in self.excesses(clock, &q)? {
-                let upper = e.upper + self.checker.cell().kept_distance(e.pair);
+                let upper = e.upper + self.checker.cell().required_distance(e.pair).distance;
                 if upper.max(0.0) < along.lower - TIE {
                     return Err(format!("{along:?} but {e:?} at {q:?}"));
                 }
@@ -468,7 +468,7 @@ impl Play {
             _ => 3,
         };
         self.mix.ranges[which] += 1;
-        let kept = self.checker.cell().kept_distance(pair);
+        let kept = self.checker.cell().required_distance(pair).distance;
         for _ in 0..8 {
             let ends = low.iter().zip(high);
             let q: Vec<f64> = ends.map(|(a, b)| self.rng.range(*a, *b).clamp(*a, *b)).collect();
