@@ -4,5 +4,6 @@ mod errors;
 mod layering;
 mod links;
 mod locks;
+mod pages;
 mod readme;
 mod unsafe_code;
