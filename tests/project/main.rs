@@ -1,6 +1,7 @@
 //! Promise: the source, the README and the lock files are consistent.
 
 mod errors;
+mod figures;
 mod layering;
 mod links;
 mod locks;
