@@ -241,7 +241,8 @@ fn numbers(text: &str) -> Vec<f64> {
     let is_digit = |k: usize| bytes.get(k).is_some_and(u8::is_ascii_digit);
     let (mut found, mut k) = (vec![], 0);
     while k < bytes.len() {
-        if !is_digit(k) && !(bytes[k] == b'.' && is_digit(k + 1)) {
+        let is_start = is_digit(k) || bytes[k] == b'.' && is_digit(k + 1);
+        if !is_start {
             k += 1;
             continue;
         }
