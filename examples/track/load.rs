@@ -7,6 +7,7 @@ use lin_canny::nalgebra::Point3;
 use lin_canny::polyhedron::BuildError;
 use lin_canny::{ConvexPolyhedron, Feature, Mesh, MeshError, MeshKind};
 use lin_canny_formats::{MeshFile, MeshFormat};
+use truth::say;
 
 /// A mesh counts as convex if the void fraction of its hull is at most this: files in single
 /// precision round flat faces by about 1e-7 of the size.
@@ -61,11 +62,11 @@ pub(crate) fn load(letter: char, path: &Path) -> Result<Loaded, Box<dyn std::err
         }
         other => other.map_err(refused)?,
     };
-    println!("{letter}: {}", path.display());
-    println!("   mesh: points {}, triangles {}", points.len(), triangles.len());
-    println!("   hull: {}", body.report());
+    say!("{letter}: {}", path.display());
+    say!("   mesh: points {}, triangles {}", points.len(), triangles.len());
+    say!("   hull: {}", body.report());
     let convexity = convexity(&points, &triangles, &numbers, &body);
-    println!("   {}", convexity.map_err(|e| format!("{}: {e}", path.display()))?);
+    say!("   {}", convexity.map_err(|e| format!("{}: {e}", path.display()))?);
     Ok(Loaded { body, numbers })
 }
 

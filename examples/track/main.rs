@@ -3,7 +3,7 @@
 //! `cargo run --release --example track -- [A.obj|stl B.obj|stl] [--frames N] [--out track.svg]`
 //!
 //! With poses from a file the meshes are taken as they are, convex or not:
-//! `cargo run --release --example track -- A.stl B.stl --poses FILE --csv OUT`
+//! `cargo run --release --example track -- A.stl B.stl --poses POSES.csv [--csv OUT.csv] [--out track.svg]`
 
 mod given;
 mod load;
@@ -20,7 +20,8 @@ use lin_canny::{ContactState, ConvexPolyhedron, Geometry, Outcome, PairTracker, 
 use lin_canny_record::{PageOptions, Recorder, Recording, page};
 use load::Loaded;
 use options::Options;
-use picture::{Curve, Shown};
+use picture::{Curve, Drawn, Shown};
+use truth::say;
 
 type Trouble = Box<dyn std::error::Error>;
 
@@ -59,10 +60,10 @@ fn main() -> ExitCode {
 
 fn track(options: &Options) -> Result<(), Trouble> {
     let [a, b] = &options.pair();
-    if let (Some(poses), Some(csv)) = (&options.poses, &options.csv) {
-        return given::answer([a, b], poses, csv);
-    }
     truth::command::writable(&options.out)?;
+    if let Some(poses) = &options.poses {
+        return given::answer(options, [a, b], poses);
+    }
     let (a, b) = (load::load('A', a)?, load::load('B', b)?);
     let poses = motion::poses(&a.body, &b.body, options.frames as usize);
     let run = follow(&a.body, &b.body, &poses)?;
@@ -147,19 +148,26 @@ fn record(bodies: [&ConvexPolyhedron; 2], poses: &[[Isometry3<f64>; 2]]) -> Resu
 /// group, and the steps of all.
 fn table(a: &Loaded, b: &Loaded, run: &Run) {
     let group = run.outcomes.len().div_ceil(LINES);
-    println!("\nNames: v vertex, e edge, f face, by the numbers of their points in the files.");
+    say!("\nNames: v vertex, e edge, f face, by the numbers of their points in the files.");
     if group > 1 {
-        println!("Every {group}th frame; steps and changes of the features over the {group} frames from there on.");
+        say!("Every {group}th frame; steps and changes of the features over the {group} frames from there on.");
     }
-    println!(
+    say!(
         "\n{:>7}  {:>13}  {:>8}  {:<14} {:<14} {:>5} {:>4} {:>7}  layer",
-        "frame", "distance", "+-", "on A", "on B", "steps", "most", "changes"
+        "frame",
+        "distance",
+        "+-",
+        "on A",
+        "on B",
+        "steps",
+        "most",
+        "changes"
     );
     for (k, frames) in run.outcomes.chunks(group).enumerate() {
         let first = &frames[0];
         let steps: u32 = frames.iter().map(|o| o.work.steps).sum();
         let changes = frames.windows(2).filter(|w| w[0].features != w[1].features).count();
-        println!(
+        say!(
             "{:>7}  {:>13.8}  {:>8.1e}  {:<14} {:<14} {:>5.1} {:>4} {:>7}  {}",
             k * group,
             first.distance,
@@ -185,9 +193,11 @@ fn word(outcome: &Outcome) -> String {
 fn summary(run: &Run) {
     let (totals, frames) = (run.tracker.work(), run.outcomes.len());
     if let Some((frame, o)) = run.closest() {
-        println!(
+        say!(
             "\nclosest: {} in [{}, {}] at frame {frame}",
-            o.distance, o.lower, o.upper
+            o.distance,
+            o.lower,
+            o.upper
         );
     }
     let layers = [
@@ -203,14 +213,14 @@ fn summary(run: &Run) {
         .map(|(l, name)| (totals.answered_by(*l), name))
         .filter(|x| x.0 > 0);
     let answered: Vec<String> = answered.map(|(n, name)| format!("{name} {n}")).collect();
-    println!("answered by: {} of {frames} frames", answered.join(", "));
-    println!(
+    say!("answered by: {} of {frames} frames", answered.join(", "));
+    say!(
         "steps a frame: {:.2} tracked, {:.2} from nothing",
         totals.steps as f64 / frames as f64,
         run.cold
     );
     let each = run.time.as_nanos() as f64 / frames as f64;
-    println!(
+    say!(
         "time a frame: {each:.0} ns, two poses in, certified answer out ({:.2?} in all)",
         run.time
     );
@@ -238,16 +248,17 @@ fn draw(
     let Some((frame, outcome)) = run.closest() else {
         return Ok(());
     };
+    let (features, poses) = ([outcome.features.a, outcome.features.b], &poses[frame]);
     let shown = Shown {
-        bodies,
-        poses: &poses[frame],
-        outcome,
+        bodies: [0, 1].map(|k| Drawn::convex(bodies[k], &poses[k], features[k])),
+        normal: poses[0] * outcome.normal.into_inner(),
+        points: [poses[0] * outcome.point_on_a, poses[1] * outcome.point_on_b],
         title: format!(
             "frame {frame}: {:.6} apart, between {:.12} and {:.12}",
             outcome.distance, outcome.lower, outcome.upper
         ),
     };
     picture::draw(&shown, &[distance, steps], &options.out)?;
-    println!("\npicture of frame {frame}: {}", options.out.display());
+    say!("\npicture of frame {frame}: {}", options.out.display());
     Ok(())
 }

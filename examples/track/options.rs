@@ -9,10 +9,10 @@ use truth::command::file;
 ///
 /// Prints the closest features, the distance with its bounds and the steps of each frame. Draws the
 /// closest frame, and distance and steps over time. The bodies are the convex hulls of the meshes.
-/// With --poses the bodies are the meshes themselves, and nothing is drawn.
+/// With --poses the bodies are the meshes themselves; --csv writes the answer at each pose.
 #[derive(Parser)]
 pub(crate) struct Options {
-    /// Two meshes in STL, OBJ or COLLADA files
+    /// Two meshes in STL, OBJ, COLLADA, PLY, glTF or MSH files
     ///
     /// [default: examples/meshes/gem.obj examples/meshes/nut.stl]
     #[arg(num_args = 2, value_names = ["A", "B"])]
@@ -31,7 +31,7 @@ pub(crate) struct Options {
     pub(crate) page: Option<PathBuf>,
     /// File with one pose of B in A's frame per line, `x y z qx qy qz qw`, separated by blanks or
     /// commas; the first line may name the columns. The bodies are then the meshes, not their hulls
-    #[arg(long, value_name = "FILE", requires_all = ["csv", "meshes"])]
+    #[arg(long, value_name = "FILE", requires = "meshes", conflicts_with_all = ["frames", "record", "page"])]
     pub(crate) poses: Option<PathBuf>,
     /// Output table, `distance,lower,upper,ax,ay,az,bx,by,bz` for each pose (A's frame); if the
     /// meshes overlap, the distance is 0 and the lower bound -inf

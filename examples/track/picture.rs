@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{ConvexPolyhedron, Feature, Outcome};
+use lin_canny::{ConvexPolyhedron, Feature, Mesh, MeshKind};
 use lin_canny_record::svg::{BLUE, GREEN, GREY, INK, ORANGE, SKY, Svg};
 
 /// Width of the picture in pixels.
@@ -19,11 +19,65 @@ const CHART: f64 = 150.0;
 /// Direction to the light, in the axes of the view: right, up, towards the reader.
 const LIGHT: [f64; 3] = [-0.3, 0.6, 0.74];
 
-/// The two bodies, their world poses and the outcome in the shown frame.
-pub(crate) struct Shown<'a> {
-    pub(crate) bodies: [&'a ConvexPolyhedron; 2],
-    pub(crate) poses: &'a [Isometry3<f64>; 2],
-    pub(crate) outcome: &'a Outcome,
+/// Triangles of a mesh above which its hull is drawn.
+const MOST: usize = 20_000;
+
+/// A body in the world.
+pub(crate) struct Drawn {
+    faces: Vec<Vec<Point3<f64>>>,
+    /// Vertices of the closest edge or face.
+    closest: Vec<Point3<f64>>,
+    /// Whether faces that face away are hidden.
+    is_closed: bool,
+}
+
+impl Drawn {
+    /// Returns a convex body with its closest feature.
+    pub(crate) fn convex(body: &ConvexPolyhedron, pose: &Isometry3<f64>, closest: Feature) -> Self {
+        let ends = match closest {
+            Feature::Vertex(_) => vec![],
+            Feature::Edge(e) => body.edge_vertices(e).into_iter().flatten().collect(),
+            Feature::Face(f) => body.face_vertices(f).collect(),
+        };
+        let points = |vertices: Vec<_>| {
+            vertices
+                .into_iter()
+                .filter_map(|v| Some(pose * body.vertex(v)?))
+                .collect()
+        };
+        let faces = body.faces().filter(|&f| body.face_plane(f).is_some());
+        Self {
+            faces: faces.map(|f| points(body.face_vertices(f).collect())).collect(),
+            closest: points(ends),
+            is_closed: true,
+        }
+    }
+
+    /// Returns a mesh, or its hull if it has too many triangles to draw.
+    pub(crate) fn mesh(mesh: &Mesh, pose: &Isometry3<f64>) -> Self {
+        let hull = (mesh.triangle_count() > MOST).then(|| mesh.hull().ok()).flatten();
+        if let Some(hull) =
+            hull.and_then(|hull| Some(Self::convex(&hull, pose, Feature::Vertex(hull.vertices().next()?))))
+        {
+            return hull;
+        }
+        Self {
+            faces: mesh
+                .triangles()
+                .map(|(_, corners)| corners.map(|p| pose * p).to_vec())
+                .collect(),
+            closest: vec![],
+            is_closed: mesh.kind() == MeshKind::Solid,
+        }
+    }
+}
+
+/// The two bodies in the shown frame, and their closest points in the world.
+pub(crate) struct Shown {
+    pub(crate) bodies: [Drawn; 2],
+    /// Direction from A to B.
+    pub(crate) normal: Vector3<f64>,
+    pub(crate) points: [Point3<f64>; 2],
     pub(crate) title: String,
 }
 
@@ -38,7 +92,7 @@ pub(crate) struct Curve {
 ///
 /// # Errors
 /// Returns an error if the file cannot be written.
-pub(crate) fn draw(shown: &Shown<'_>, curves: &[Curve], file: &Path) -> Result<(), String> {
+pub(crate) fn draw(shown: &Shown, curves: &[Curve], file: &Path) -> Result<(), String> {
     let height = VIEW + CHART * curves.len() as f64;
     let mut svg = Svg::new(WIDTH as u32, height as u32, &shown.title);
     svg.words([20.0, 30.0], 16, "start", &shown.title);
@@ -51,14 +105,17 @@ pub(crate) fn draw(shown: &Shown<'_>, curves: &[Curve], file: &Path) -> Result<(
 
 /// Draws both bodies seen perpendicular to the normal, so that the gap between them has its full
 /// width.
-fn bodies(svg: &mut Svg, shown: &Shown<'_>) {
-    let normal = shown.poses[0] * shown.outcome.normal.into_inner();
+fn bodies(svg: &mut Svg, shown: &Shown) {
+    // Bodies that overlap may have no normal.
+    let normal = shown.normal.try_normalize(0.5).unwrap_or_else(Vector3::x);
     let up = normal.cross(&least_axis(&normal)).normalize();
     let axes = [normal, up, normal.cross(&up)];
     let seen = |p: Point3<f64>| axes.map(|axis| axis.dot(&p.coords));
-    let corners: Vec<[f64; 3]> = (0..2)
-        .flat_map(|k| shown.bodies[k].vertex_points().map(move |p| shown.poses[k] * p))
-        .map(seen)
+    let corners: Vec<[f64; 3]> = shown
+        .bodies
+        .iter()
+        .flat_map(|body| body.faces.iter().flatten())
+        .map(|p| seen(*p))
         .collect();
     let span = |k: usize| {
         let (lo, hi) = corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), c| {
@@ -68,53 +125,66 @@ fn bodies(svg: &mut Svg, shown: &Shown<'_>) {
     };
     let [(x, wide), (y, tall)] = [span(0), span(1)];
     let scale = ((WIDTH - 60.0) / wide).min((VIEW - 80.0) / tall);
-    let place = |c: [f64; 3]| [WIDTH / 2.0 + scale * (c[0] - x), VIEW / 2.0 + 15.0 - scale * (c[1] - y)];
-    let features = [shown.outcome.features.a, shown.outcome.features.b];
-    for (k, colour) in [(0, [0.34, 0.71, 0.91]), (1, [0.91, 0.70, 0.45])] {
-        let (body, pose) = (shown.bodies[k], &shown.poses[k]);
-        let path =
-            |points: &mut dyn Iterator<Item = Point3<f64>>| points.map(|p| place(seen(pose * p))).collect::<Vec<_>>();
-        for face in body.faces() {
-            let Some((normal, _)) = body.face_plane(face) else {
+    let place = |p: Point3<f64>| {
+        let c = seen(p);
+        [WIDTH / 2.0 + scale * (c[0] - x), VIEW / 2.0 + 15.0 - scale * (c[1] - y)]
+    };
+    // From back to front.
+    let mut faces = vec![];
+    for (body, colour) in shown.bodies.iter().zip([[0.34, 0.71, 0.91], [0.91, 0.70, 0.45]]) {
+        for face in &body.faces {
+            let Some(mut facing) = facing(face).map(|normal| axes.map(|axis| axis.dot(&normal))) else {
                 continue;
             };
-            let plane = axes.map(|axis| axis.dot(&(pose * normal.into_inner())));
-            if plane[2] > 0.0 {
-                let light = 0.55 + 0.45 * plane.iter().zip(LIGHT).map(|(a, b)| a * b).sum::<f64>().max(0.0);
-                let [r, g, b] = colour.map(|c| (255.0 * light * c) as u8);
-                let fill = format!(
-                    "fill=\"rgb({r},{g},{b})\" stroke=\"{INK}\" stroke-width=\"0.6\" stroke-linejoin=\"round\""
-                );
-                svg.polygon(
-                    &path(&mut body.face_vertices(face).filter_map(|v| body.vertex(v))),
-                    &fill,
-                );
+            if facing[2] <= 0.0 && body.is_closed {
+                continue;
             }
-        }
-        let lit = format!("stroke=\"{ORANGE}\" stroke-width=\"3\" fill=\"none\" stroke-linejoin=\"round\"");
-        match features[k] {
-            Feature::Vertex(_) => {}
-            Feature::Edge(e) => {
-                let ends = body.edge_vertices(e).into_iter().flatten();
-                svg.polyline(
-                    &path(&mut ends.filter_map(|v| body.vertex(v))),
-                    &format!("stroke=\"{ORANGE}\" stroke-width=\"3\""),
-                );
+            if facing[2] < 0.0 {
+                facing = facing.map(|x| -x);
             }
-            Feature::Face(f) => svg.polygon(&path(&mut body.face_vertices(f).filter_map(|v| body.vertex(v))), &lit),
+            let depth = face.iter().map(|p| seen(*p)[2]).sum::<f64>() / face.len() as f64;
+            let light = 0.55 + 0.45 * facing.iter().zip(LIGHT).map(|(a, b)| a * b).sum::<f64>().max(0.0);
+            faces.push((depth, face, colour.map(|c| (255.0 * light * c) as u8)));
         }
     }
-    let ends = [
-        shown.poses[0] * shown.outcome.point_on_a,
-        shown.poses[1] * shown.outcome.point_on_b,
-    ]
-    .map(|p| place(seen(p)));
+    faces.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, face, [r, g, b]) in faces {
+        let fill = format!("fill=\"rgb({r},{g},{b})\" stroke=\"{INK}\" stroke-width=\"0.6\" stroke-linejoin=\"round\"");
+        svg.polygon(&face.iter().map(|p| place(*p)).collect::<Vec<_>>(), &fill);
+    }
+    for body in &shown.bodies {
+        let rim: Vec<_> = body.closest.iter().map(|p| place(*p)).collect();
+        match rim.len() {
+            0 => {}
+            2 => svg.polyline(&rim, &format!("stroke=\"{ORANGE}\" stroke-width=\"3\"")),
+            _ => svg.polygon(
+                &rim,
+                &format!("stroke=\"{ORANGE}\" stroke-width=\"3\" fill=\"none\" stroke-linejoin=\"round\""),
+            ),
+        }
+    }
+    let ends = shown.points.map(place);
     svg.line(ends[0], ends[1], &format!("stroke=\"{GREEN}\" stroke-width=\"2\""));
     for end in ends {
         svg.dot(end, 4.0, &format!("fill=\"{GREEN}\""));
     }
-    let words = "A blue, B orange; the closest features are outlined, the closest points joined; seen at right angles to the gap";
+    let words = if shown.bodies.iter().all(|body| body.closest.is_empty()) {
+        "A blue, B orange; the closest points are joined; seen at right angles to the gap"
+    } else {
+        "A blue, B orange; the closest features are outlined, the closest points joined; seen at right angles to the gap"
+    };
     svg.words([20.0, VIEW - 12.0], 13, "start", words);
+}
+
+/// Returns the normal of a face, if the face has an area.
+fn facing(face: &[Point3<f64>]) -> Option<Vector3<f64>> {
+    let next = face.iter().cycle().skip(1);
+    let area: Vector3<f64> = face
+        .iter()
+        .zip(next)
+        .map(|(p, q)| (p - face[0]).cross(&(q - face[0])))
+        .sum();
+    area.try_normalize(0.0)
 }
 
 /// Returns the axis of the world along which a direction has its least component.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// Folders without pages of this repository.
 const SKIPPED: [&str; 3] = ["target", ".git", "node_modules"];
 
-fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
+pub(crate) fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

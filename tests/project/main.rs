@@ -1,8 +1,10 @@
 //! Promise: the source, the README and the lock files are consistent.
 
 mod errors;
+mod figures;
 mod layering;
 mod links;
 mod locks;
+mod pages;
 mod readme;
 mod unsafe_code;

@@ -1,4 +1,4 @@
-"""Distance of two mesh files (STL, OBJ or COLLADA), as hulls or as the meshes they are.
+"""Distance of two mesh files (STL, OBJ, COLLADA, PLY, glTF or MSH), as hulls or as the meshes they are.
 
     python distances.py part.stl tool.stl --at 0.1 0 0 --kind mesh
 """

@@ -14,8 +14,8 @@ use crate::geometry::Geometry;
 
 /// A mesh file: all its points and triangles, its objects, and what was skipped.
 ///
-/// Lengths are in the unit of the file, or in metres for COLLADA. A mesh file is pickled by its
-/// path, and is read again.
+/// Lengths are in the unit of the file, or in metres for COLLADA and glTF. A mesh file is pickled by
+/// its path, and is read again.
 #[pyclass(frozen, module = "lin_canny")]
 pub(crate) struct MeshFile {
     file: Loaded,
@@ -40,7 +40,7 @@ fn positions(points: &[[f64; 3]]) -> Vec<Point3<f64>> {
     points.iter().map(|&p| Point3::from(p)).collect()
 }
 
-/// Returns the mesh of an STL, OBJ or COLLADA file.
+/// Returns the mesh of an STL, OBJ, COLLADA, PLY, glTF or MSH file.
 ///
 /// Raises FileError, which names file and line, if the file is malformed, has no triangle, or has
 /// geometry that is not read.

@@ -152,9 +152,10 @@ fn cell(hood: Cloud) -> Result<Checker<JointTree>, Trouble> {
     block("table", [0.5, 1.2, 0.04], [0.65, 0.0, 0.28])?;
     let [x, y, bottom] = TAKEN;
     block("tray", [0.24, 0.24, 0.01], [x, y, bottom - 0.005])?;
-    for side in [-0.115, 0.115] {
-        block("tray", [0.01, 0.24, 0.05], [x + side, y, bottom + 0.025])?;
-        block("tray", [0.22, 0.01, 0.05], [x, y + side, bottom + 0.025])?;
+    for (side, walls) in [(-0.115, ["near", "right"]), (0.115, ["far", "left"])] {
+        let [across, along] = walls.map(|wall| format!("{wall} wall of the tray"));
+        block(&across, [0.01, 0.24, 0.05], [x + side, y, bottom + 0.025])?;
+        block(&along, [0.22, 0.01, 0.05], [x, y + side, bottom + 0.025])?;
     }
     block("part", PART.map(|half| 2.0 * half), [x, y, bottom + PART[2]])?;
     setup.add_obstacle(
@@ -261,6 +262,9 @@ fn proven(checker: &mut Checker<JointTree>, what: &str, path: &[Vec<f64>]) -> Re
     Ok(())
 }
 
+/// Searches for a path, of which the shortest is taken: random trees find any of the ways around.
+const SEARCHES: u64 = 8;
+
 /// Plans a path, shortens it and moves it away from the cell; every segment is proven free.
 fn planned(
     checker: &mut Checker<JointTree>,
@@ -270,13 +274,21 @@ fn planned(
     seed: u64,
 ) -> Result<Vec<Vec<f64>>, Trouble> {
     let began = Instant::now();
-    let options = PlanOptions::default().seed(seed).unlimited();
     let limit = Duration::from_secs(40);
-    let plan = RrtConnect::new(&options)
-        .progress(&mut |_| Progress::stop_if(began.elapsed() > limit))
-        .plan(checker, from, to)?;
-    let path = plan.path.ok_or(format!("{what}: no path found in {limit:.0?}"))?;
-    let path = Shortcuts::new(200, seed).shorten(checker, &path)?;
+    let mut shortest: Option<(f64, Vec<Vec<f64>>)> = None;
+    for seed in (0..SEARCHES).map(|k| seed.wrapping_add(k)) {
+        let options = PlanOptions::default().seed(seed).unlimited();
+        let plan = RrtConnect::new(&options)
+            .progress(&mut |_| Progress::stop_if(began.elapsed() > limit))
+            .plan(checker, from, to)?;
+        let Some(path) = plan.path else { break };
+        let path = Shortcuts::new(200, seed).shorten(checker, &path)?;
+        let length = checker.space().path_length(&path);
+        if shortest.as_ref().is_none_or(|(least, _)| length < *least) {
+            shortest = Some((length, path));
+        }
+    }
+    let (_, path) = shortest.ok_or(format!("{what}: no path found in {limit:.0?}"))?;
     let path = widen(checker, &path, 0.03, 0.2, 4)?;
     let motion = JointMotion::path(&path)?;
     let verdict = checker.certify(&motion)?;

@@ -1,7 +1,8 @@
 //! Entry point of a program with options: `clap` parses them, and every program of the repository
 //! exits alike.
 
-use std::fmt::Display;
+use std::fmt::{Arguments, Display};
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -12,14 +13,43 @@ use clap::builder::RangedU64ValueParser;
 /// Runs a program with the options of its command line, and returns its exit code.
 ///
 /// The code is 0 on success, and 1 if `run` fails; its error is printed to standard error. `clap`
-/// answers `--help` and exits with 2 for invalid options.
+/// answers `--help` and exits with 2 for invalid options. If the reader of the output has gone, as in
+/// `... | head`, the next `println!` ends the program with 0; [`say!`](crate::say) goes on.
 pub fn main<O: Parser, T: Display>(run: impl FnOnce(&O) -> Result<(), T>) -> ExitCode {
+    let report = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        let why = panic.payload().downcast_ref::<String>();
+        if why.is_some_and(|why| why.starts_with("failed printing to stdout: Broken pipe")) {
+            std::process::exit(0);
+        }
+        report(panic);
+    }));
     match run(&O::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(why) => {
             eprintln!("error: {why}");
             ExitCode::FAILURE
         }
+    }
+}
+
+/// Prints a line to standard output, for a program that still has files to write: if the reader has
+/// gone, the line is dropped.
+#[macro_export]
+macro_rules! say {
+    ($($words:tt)*) => {
+        $crate::command::print(format_args!($($words)*))
+    };
+}
+
+/// Prints the line of [`say!`](crate::say).
+///
+/// # Panics
+/// If the line cannot be written for another reason.
+pub fn print(line: Arguments<'_>) {
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(why) if why.kind() != ErrorKind::BrokenPipe => panic!("failed printing to stdout: {why}"),
+        _ => {}
     }
 }
 
