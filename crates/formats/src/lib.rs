@@ -48,7 +48,8 @@
 //!   number of a point is its number in the file only if no point is dropped. A number out of range,
 //!   such as `1e400`, is always an error.
 //! * All the rest is in [`PointFile::skipped`]: colours, normals, faces, and the pose of the sensor
-//!   of a PCD (`VIEWPOINT`), by which points are not moved.
+//!   of a PCD (`VIEWPOINT`), by which points are not moved. So are the zeros up to a page that PCL
+//!   leaves behind binary data.
 //!
 //! # Grids
 //!
