@@ -85,7 +85,8 @@
 //!   whose `pos` is not zero, has links without bodies before it: `body:joint`. Without a name in
 //!   the file, bodies and joints are `body3` and `joint2`, with MuJoCo's numbers.
 //! * A coordinate is MuJoCo's `qpos` of the joint, so that `ref` is the drawn pose. A free joint
-//!   has the position in the world, and angles as in `rpy`. A ball joint is an error.
+//!   has the position in the world, and angles as in `rpy`; its limits contain the drawn pose. A
+//!   ball joint is an error.
 //! * A joint has limits if `limited` is true, or if it is `auto` and the first number of `range` is
 //!   below the second: `range="0 0"` is no limit. A free joint has none. The flags `limit`,
 //!   `equality` and `constraint` switch limits and equalities off.
@@ -133,7 +134,7 @@
 //!   `world`, the tree of its canonical link is fixed.
 //! * A floating link has the coordinates `LINK/x`, `LINK/y`, `LINK/z`, `LINK/roll`, `LINK/pitch`
 //!   and `LINK/yaw`: its pose in the world, as in `pose`. [`Robot::start`] returns the
-//!   configuration in which the file draws the robot.
+//!   configuration in which the file draws the robot, and the limits contain it.
 //! * The frame of a link is that of the revolute or prismatic joint that moves it, as in URDF, and
 //!   not that of its `pose`.
 //! * `relative_to`, `attached_to`, `placement_frame`, `expressed_in`, `canonical_link`, nested

@@ -1805,6 +1805,36 @@ fn models_stand_where_the_kind_of_the_file_says() {
     );
 }
 
+#[test]
+fn limits_of_a_floating_link_contain_the_pose_at_which_it_is_drawn() {
+    let model = |name: &str, is_static: &str, pose: &str| {
+        format!(
+            "<model name=\"{name}\">{is_static}{}</model>",
+            link("l", &format!("<pose>{pose}</pose>"))
+        )
+    };
+    let wall = model("wall", "<static>true</static>", "15 0 0 0 0 0");
+    let text = world(&(model("crate", "", "12 0 -30.5 0 0 0") + &wall.replace("15 0 0", "15 0 -30.5")));
+    let robot = parse(&text).expect("a robot");
+    let limits: Vec<[f64; 2]> = robot.coordinates().iter().map(|c| c.limits).collect();
+    assert_eq!(limits[..3], [[-10.0, 12.0], [-10.0, 10.0], [-30.5, 10.0]]);
+    let options = LoadOptions::default()
+        .floating_limits([-50.0, 50.0])
+        .continuous_limits([0.0; 2]);
+    let turned = text.replace("12 0 -30.5 0 0 0", "12 0 -30.5 0 0 -1.5");
+    let wide = Robot::parse(&turned, "r.sdf", &Packages::default(), &options).expect("a robot");
+    assert_eq!(wide.coordinates()[0].limits, [-50.0, 50.0]);
+    assert!(wide.coordinates()[5].limits[0] == wide.start()[5] && wide.start()[5] < -1.4);
+    let mut setup = Cell::new();
+    setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
+    let near = Checker::of_robots(setup).expect("a checker").clearance(robot.start());
+    let near = near.expect("within the limits").expect("a pair");
+    assert!(
+        near.lower <= 2.0 && near.upper >= 2.0 && near.upper - near.lower < 1e-9,
+        "{near:?}"
+    );
+}
+
 /// The coordinates of a floating link are its pose in the world.
 #[test]
 fn floating_links_start_where_they_are_drawn() {
