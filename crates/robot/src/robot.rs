@@ -88,7 +88,9 @@ impl Robot {
     ///
     /// These are collision elements whose mesh file does not exist, if
     /// [`LoadOptions::skip_missing_meshes`](crate::LoadOptions::skip_missing_meshes) is set, elements of SDFormat that are left out by rule,
-    /// such as `actor`, and in MJCF equalities of bodies and flags that switch contacts off.
+    /// such as `actor`, and in MJCF equalities of bodies and flags that switch contacts off. What XML
+    /// does not allow and simulators take is listed too: text between elements, `--` in comments,
+    /// prefixes that are not declared, and text before the XML declaration.
     #[must_use]
     pub fn skipped(&self) -> &[Skipped] {
         &self.skipped
