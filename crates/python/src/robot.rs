@@ -40,7 +40,9 @@ impl Files {
         };
         if !(self.floating >= 0.0 && self.floating.is_finite()) {
             let floating = self.floating;
-            return Err(refused(format!("floating is out of range: {floating} (expected 0 or more)")));
+            return Err(refused(format!(
+                "floating is out of range: {floating} (expected 0 or more)"
+            )));
         }
         let mut options = LoadOptions::default()
             .meshes(usage)

@@ -300,7 +300,11 @@ fn missing_and_foreign_meshes_are_named() {
         sphere,
         &mesh("package://nowhere/x.stl"),
         3,
-        &["link \"b\"", "nowhere/x.stl"],
+        &[
+            "link \"b\"",
+            "nowhere/x.stl",
+            "; add the folder of its package to the packages",
+        ],
     );
     assert!(matches!(reason, FileErrorKind::MissingMesh(_)));
     let reason = refused(sphere, &mesh("x.obj"), 3, &["link \"b\"", "x.obj"]);
