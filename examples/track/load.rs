@@ -48,7 +48,7 @@ impl Loaded {
 
 /// Reads a mesh, builds its hull and prints the report.
 pub(crate) fn load(letter: char, path: &Path) -> Result<Loaded, Box<dyn std::error::Error>> {
-    let file = MeshFile::load(path)?;
+    let file = MeshFile::load_for_hull(path)?;
     let (points, triangles) = file.whole();
     let numbers = match file.format {
         MeshFormat::Obj => numbers(&String::from_utf8_lossy(&std::fs::read(path)?), &points),
@@ -65,8 +65,10 @@ pub(crate) fn load(letter: char, path: &Path) -> Result<Loaded, Box<dyn std::err
     say!("{letter}: {}", path.display());
     say!("   mesh: points {}, triangles {}", points.len(), triangles.len());
     say!("   hull: {}", body.report());
-    let convexity = convexity(&points, &triangles, &numbers, &body);
-    say!("   {}", convexity.map_err(|e| format!("{}: {e}", path.display()))?);
+    if !triangles.is_empty() {
+        let convexity = convexity(&points, &triangles, &numbers, &body);
+        say!("   {}", convexity.map_err(|e| format!("{}: {e}", path.display()))?);
+    }
     Ok(Loaded { body, numbers })
 }
 

@@ -669,7 +669,7 @@ const PACKAGES: &[(&str, &[&str])] = &[
     (
         "crates/robot/src",
         &[
-            "error text turn xml csv_rows yaml",
+            "error text turn xml_text xml csv_rows yaml",
             "packages options mesh_file geometry",
             // What the readers of robots return.
             "robot link_tree",

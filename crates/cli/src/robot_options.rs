@@ -95,6 +95,10 @@ pub struct RobotOptions {
     /// Full turns that a joint without limits may make each way
     #[arg(long, value_name = "N", default_value = "2", value_parser = values::not_negative)]
     turns: f64,
+    /// Farthest that a floating or planar joint, and a sliding joint without limits, may go each way along
+    /// x, y and z, in metres; the pose at which the file draws a body is always within
+    #[arg(long, value_name = "LENGTH", default_value = "10", value_parser = values::not_negative)]
+    floating: f64,
     /// Widen the limits of all joints by X at both ends, in radians or metres; recorded values often
     /// exceed a limit by 1e-7
     #[arg(long, value_name = "X", default_value = "0", value_parser = values::not_negative)]
@@ -126,6 +130,7 @@ impl RobotOptions {
         let angle = self.turns * std::f64::consts::TAU;
         let mut options = LoadOptions::default()
             .continuous_limits([-angle, angle])
+            .floating_limits([-self.floating, self.floating])
             .meshes(self.geometry.into())
             .link_meshes(link_meshes)
             .measure_hulls(self.hull_fit)

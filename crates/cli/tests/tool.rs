@@ -39,6 +39,16 @@ fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
 }
 
 #[test]
+fn bodies_float_as_far_as_the_option_says() {
+    let names = "arm::shoulder,arm::elbow,arm::left_slide,part::block/x,part::block/y,part::block/z,part::block/roll,part::block/pitch,part::block/yaw";
+    let row = scratch("far.csv", &format!("{names}\n0,0,0,20,0,0,0,0,0\n"));
+    let (code, text) = run_of("bench.sdf", "clearance", &["--joints", &row]);
+    assert!(code != 0 && text.contains("limits -10.0 and 10.0"), "{text}");
+    let (code, text) = run_of("bench.sdf", "clearance", &["--joints", &row, "--floating", "20"]);
+    assert_eq!(code, 0, "{text}");
+}
+
+#[test]
 fn clearances_of_rows() {
     let out = scratch("clearance.csv", "");
     for geometry in ["hull", "mesh"] {

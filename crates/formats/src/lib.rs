@@ -23,7 +23,8 @@
 //! * Whatever could be geometry and cannot be read is an error with file, line and reason; an error
 //!   of a glTF names the element instead of the line, such as `meshes[0]`. Whatever is no geometry
 //!   (lines, points, normals, materials) is in [`MeshFile::skipped`], with its line if it has one.
-//! * A point belongs to an object only if a triangle uses it.
+//! * A point belongs to an object only if a triangle uses it. A file of points alone is an error,
+//!   except for [`MeshFile::load_for_hull`].
 //! * Numbers are `f64` and finite. A count in a header is never believed: memory grows with the
 //!   file, not with the count.
 //! * A reader holds at most 4 MiB and 400 bytes for each byte of the file, and of the files of a
@@ -48,7 +49,8 @@
 //!   number of a point is its number in the file only if no point is dropped. A number out of range,
 //!   such as `1e400`, is always an error.
 //! * All the rest is in [`PointFile::skipped`]: colours, normals, faces, and the pose of the sensor
-//!   of a PCD (`VIEWPOINT`), by which points are not moved.
+//!   of a PCD (`VIEWPOINT`), by which points are not moved. So are the zeros up to a page that PCL
+//!   leaves behind binary data.
 //!
 //! # Grids
 //!

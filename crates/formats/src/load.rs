@@ -28,20 +28,58 @@ impl MeshFile {
     /// As [`load`](Self::load).
     pub fn parse(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, FormatError> {
         let path = path.as_ref();
-        let error = |fault: Fault| fault.of(path);
-        let file = match format_of_mesh(bytes, path).map_err(error)? {
+        Self::read(bytes, path, false).map_err(|fault| fault.of(path))
+    }
+
+    /// Returns the mesh of a file whose convex hull is wanted: an OBJ, a PLY or an MSH without
+    /// triangles has objects of points alone.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), but only if the file contains no point.
+    pub fn load_for_hull(path: impl AsRef<Path>) -> Result<Self, FormatError> {
+        let path = path.as_ref();
+        let bytes = FormatError::read(path)?;
+        Self::parse_for_hull(&bytes, path)
+    }
+
+    /// Returns the mesh of the bytes of a file whose convex hull is wanted, as
+    /// [`parse`](Self::parse) takes them.
+    ///
+    /// # Errors
+    /// As [`load_for_hull`](Self::load_for_hull).
+    pub fn parse_for_hull(bytes: &[u8], path: impl AsRef<Path>) -> Result<Self, FormatError> {
+        let path = path.as_ref();
+        Self::read(bytes, path, true).map_err(|fault| fault.of(path))
+    }
+
+    fn read(bytes: &[u8], path: &Path, takes_points: bool) -> Result<Self, Fault> {
+        let mut file = match format_of_mesh(bytes, path)? {
             MeshFormat::Stl => stl::read(bytes),
             MeshFormat::Obj => obj::read(bytes),
             MeshFormat::Collada => collada::read(bytes),
             MeshFormat::Msh => msh::read(bytes),
             MeshFormat::Ply => ply::read(bytes),
             MeshFormat::Gltf => gltf::read(bytes, path.parent().unwrap_or(Path::new(""))),
-        };
-        let mut file = file.map_err(error)?;
-        file.objects.retain(|object| !object.triangles.is_empty());
-        if file.objects.is_empty() {
+        }?;
+        let objects = &mut file.objects;
+        objects.retain(|object| !object.points.is_empty());
+        if objects.iter().any(|object| !object.triangles.is_empty()) {
+            objects.retain(|object| !object.triangles.is_empty());
+            return Ok(file);
+        }
+        if objects.is_empty() {
             let (line, fault) = (None, FormatFault::Empty);
-            return Err(error(Fault { line, fault }));
+            return Err(Fault { line, fault });
+        }
+        if !takes_points {
+            let what = "a point cloud (vertices without faces) as a mesh";
+            return Err(Fault::unsupported(None, what));
+        }
+        for (k, point) in objects.iter().flat_map(|object| &object.points).enumerate() {
+            if !point.iter().all(|x| x.is_finite()) {
+                let why = format!("vertex {k} is not finite: {point:?} (expected finite numbers)");
+                return Err(Fault::malformed(None, why));
+            }
         }
         Ok(file)
     }

@@ -26,7 +26,8 @@ pub enum MeshFormat {
 pub struct MeshFile {
     /// The format.
     pub format: MeshFormat,
-    /// The objects with triangles, in the order of the file.
+    /// The objects with triangles, in the order of the file; those of points alone in a file that is
+    /// [loaded for its hull](Self::load_for_hull) and has no triangle.
     pub objects: Vec<MeshObject>,
     /// What the reader has passed over because it is no part of a body.
     pub skipped: Vec<Skipped>,
@@ -38,7 +39,8 @@ pub struct MeshFile {
 pub struct MeshObject {
     /// The name in the file; empty if it has none.
     pub name: String,
-    /// The points that triangles use, in the unit of the file (metres for COLLADA and glTF).
+    /// The points that triangles use, or all if there are no triangles, in the unit of the file
+    /// (metres for COLLADA and glTF).
     pub points: Vec<[f64; 3]>,
     /// Three indices of points per triangle, counter-clockwise as seen from outside.
     pub triangles: Vec<[u32; 3]>,
@@ -65,6 +67,18 @@ impl MeshFile {
             triangles.extend(object.triangles.iter().map(|t| t.map(|k| k + first)));
         }
         (points, triangles)
+    }
+}
+
+impl MeshObject {
+    /// Returns an object without triangles.
+    pub(crate) fn of_points(name: String, points: Vec<[f64; 3]>) -> Self {
+        let triangles = Vec::new();
+        Self {
+            name,
+            points,
+            triangles,
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //! triangles, all in little endian with 32 bits. Source: MuJoCo's chapter "XML reference", `mesh`.
 
 use crate::error::Fault;
-use crate::mesh::{MeshFile, MeshFormat, ObjectBuilder, SkippedList};
+use crate::mesh::{MeshFile, MeshFormat, MeshObject, ObjectBuilder, SkippedList};
 
 /// Bytes of the four counts.
 const HEADER: usize = 16;
@@ -48,9 +48,13 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
             skipped.add(None, what);
         }
     }
+    let object = match triangles {
+        0 => MeshObject::of_points(String::new(), (0..points).map(point).collect()),
+        _ => object.build(),
+    };
     Ok(MeshFile {
         format: MeshFormat::Msh,
-        objects: vec![object.build()],
+        objects: vec![object],
         skipped: skipped.build(),
     })
 }

@@ -1,10 +1,11 @@
-//! Wavefront OBJ: vertices and faces. Objects begin at lines `o`; groups do not split them.
+//! Wavefront OBJ: vertices and faces. Objects begin at lines `o`; groups do not split them. Without
+//! faces, the vertices behind a line `o` are its points.
 //!
 //! Lines, points, curves, normals and materials are no part of a body and are skipped. Free-form
 //! surfaces, calls and unknown words are errors, because they may be geometry.
 
 use crate::error::Fault;
-use crate::mesh::{MeshFile, MeshFormat, ObjectBuilder, SkippedList};
+use crate::mesh::{MeshFile, MeshFormat, MeshObject, ObjectBuilder, SkippedList};
 use crate::{polygon, text};
 
 /// Words that are no part of a body.
@@ -51,7 +52,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
     let mut points: Vec<[f64; 3]> = Vec::new();
     // A face may use vertices of later lines, so faces wait.
     let mut faces: Vec<(usize, usize, Vec<i64>)> = Vec::new();
-    let mut names = vec![String::new()];
+    // The name of each object, and how many vertices are before it.
+    let mut names = vec![(String::new(), 0)];
     let mut skipped = SkippedList::default();
     for (line, joined) in joined_lines(&text) {
         let mut words = joined.split_whitespace();
@@ -70,7 +72,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
                 let corners: Result<Vec<i64>, Fault> = words.map(|word| corner(line, word, points.len())).collect();
                 faces.push((line, names.len() - 1, corners?));
             }
-            "o" => names.push(words.collect::<Vec<_>>().join(" ")),
+            "o" => names.push((words.collect::<Vec<_>>().join(" "), points.len())),
             known if PASSED_OVER.contains(&known) => skipped.add(line, known),
             known @ ("surf" | "bzp" | "bsp" | "cdp") => {
                 return Err(Fault::unsupported(line, format!("a free-form surface ({known})")));
@@ -79,13 +81,22 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
             _ => return Err(Fault::malformed(line, format!("unknown word: {}", text::quoted(word)))),
         }
     }
-    let mut objects: Vec<ObjectBuilder> = names.into_iter().map(ObjectBuilder::new).collect();
-    for (line, object, corners) in faces {
-        face(line, &corners, &points, &mut objects[object], &mut skipped)?;
+    let mut objects = Vec::new();
+    if faces.is_empty() {
+        for (name, start) in names.into_iter().rev() {
+            objects.push(MeshObject::of_points(name, points.split_off(start)));
+        }
+        objects.reverse();
+    } else {
+        let mut builders: Vec<ObjectBuilder> = names.into_iter().map(|(name, _)| ObjectBuilder::new(name)).collect();
+        for (line, object, corners) in faces {
+            face(line, &corners, &points, &mut builders[object], &mut skipped)?;
+        }
+        objects.extend(builders.into_iter().map(ObjectBuilder::build));
     }
     Ok(MeshFile {
         format: MeshFormat::Obj,
-        objects: objects.into_iter().map(ObjectBuilder::build).collect(),
+        objects,
         skipped: skipped.build(),
     })
 }
@@ -126,28 +137,30 @@ fn joined_lines(text: &str) -> impl Iterator<Item = (usize, String)> {
     })
 }
 
-/// Returns a vertex: three numbers; a weight must be 1, and colours are not used.
+/// Returns a vertex: three numbers; a weight must be 1, and colours are not used and may be NaN.
 fn vertex<'a>(line: usize, words: impl Iterator<Item = &'a str>) -> Result<[f64; 3], Fault> {
     let words: Vec<&str> = words.collect();
     if !(3..=8).contains(&words.len()) {
         let why = format!("vertex has {} numbers (expected 3 to 8)", words.len());
         return Err(Fault::malformed(line, why));
     }
-    let number = |word: &str| {
-        let why = || {
-            format!(
-                "invalid number of a vertex: {} (expected a finite number)",
-                text::quoted(word)
-            )
-        };
-        text::number(word).ok_or_else(|| Fault::malformed(line, why()))
-    };
-    let numbers: Result<Vec<f64>, Fault> = words.iter().map(|word| number(word)).collect();
-    let numbers = numbers?;
     // Three coordinates and three or four numbers of a colour, or a weight behind the coordinates.
-    if let ([_, _, _, weight], 4) | ([_, _, _, weight, _, _, _, _], 8) = (&numbers[..], numbers.len())
-        && *weight != 1.0
-    {
+    let has_weight = matches!(words.len(), 4 | 8);
+    let number = |(k, word): (usize, &&str)| {
+        let is_color = k >= if has_weight { 4 } else { 3 };
+        let number = if is_color {
+            text::measured(word)
+        } else {
+            text::number(word)
+        };
+        let why = || {
+            let rule = if is_color { "a number" } else { "a finite number" };
+            format!("invalid number of a vertex: {} (expected {rule})", text::quoted(word))
+        };
+        number.ok_or_else(|| Fault::malformed(line, why()))
+    };
+    let numbers: Vec<f64> = words.iter().enumerate().map(number).collect::<Result<_, _>>()?;
+    if let Some(weight) = numbers.get(3).filter(|weight| has_weight && **weight != 1.0) {
         let why = format!("weight of the vertex is out of range: {weight} (expected 1)");
         return Err(Fault::malformed(line, why));
     }

@@ -2,7 +2,8 @@
 //! compressed binary, little endian.
 //!
 //! The size of the data must fit the header: a text has a line per point, and nothing follows the
-//! last point. Bytes are read as `f32`, `f64` or integers as the header states.
+//! last point, except zeros up to a page. PCL leaves them behind binary data. A field with `COUNT 0`
+//! has no data. Bytes are read as `f32`, `f64` or integers as the header states.
 //!
 //! Source: The PCD (Point Cloud Data) file format, documentation of PCL; LibLZF by Marc Lehmann.
 
@@ -44,6 +45,9 @@ pub(crate) fn read(bytes: &[u8], list: &mut PointList) -> Result<(), Fault> {
     let bytes = &bytes[..];
     let header = Header::read(bytes)?;
     let rest = &bytes[header.length..];
+    for name in &header.empty {
+        list.skip(header.fields_line, name);
+    }
     for (k, field) in header.fields.iter().enumerate() {
         let is_read = header.axes.contains(&k) || header.radius == Some(k);
         if !is_read && field.name != "_" {
@@ -55,9 +59,12 @@ pub(crate) fn read(bytes: &[u8], list: &mut PointList) -> Result<(), Fault> {
     }
     match header.data {
         Data::Text => header.text(rest, list),
-        Data::Binary => header.binary(rest, false, list),
+        Data::Binary => {
+            let size = header.size().map_or(u64::MAX, |(_, all)| all);
+            header.binary(header.without_padding(rest, size, list), false, list)
+        }
         Data::Compressed => {
-            let bytes = header.uncompressed(rest)?;
+            let bytes = header.uncompressed(rest, list)?;
             header.binary(&bytes, true, list)
         }
     }
@@ -66,8 +73,16 @@ pub(crate) fn read(bytes: &[u8], list: &mut PointList) -> Result<(), Fault> {
 const AXES: [&str; 3] = ["x", "y", "z"];
 const RADIUS: &str = "radius";
 
+/// Largest number of zeros behind the data: a page of any system.
+const PAGE_MAX: usize = 1 << 16;
+
+/// Smallest page.
+const PAGE: usize = 1 << 12;
+
 struct Header {
+    /// The fields that have data, and the names of the others.
     fields: Vec<Field>,
+    empty: Vec<String>,
     fields_line: usize,
     /// The line and the numbers of a pose of the sensor other than the identity.
     viewpoint: Option<(usize, String)>,
@@ -255,14 +270,34 @@ impl Header {
         list.read(bytes, self.points as usize, axes, radius, |k| k)
     }
 
+    /// Returns binary data of a size without zeros behind it that end a page of the file, or a page
+    /// with the header: PCL writes into a map of the file.
+    fn without_padding<'a>(&self, rest: &'a [u8], size: u64, list: &mut PointList) -> &'a [u8] {
+        let behind = usize::try_from(size).ok().and_then(|size| rest.split_at_checked(size));
+        let Some((data, zeros)) = behind.filter(|(_, zeros)| zeros.len() < PAGE_MAX && zeros.iter().all(|b| *b == 0))
+        else {
+            return rest;
+        };
+        let ends_page = |length: usize| length.is_multiple_of(PAGE);
+        let is_stated = self.data == Data::Compressed;
+        if zeros.is_empty()
+            || !(is_stated || ends_page(self.length + rest.len()) || ends_page(self.length + zeros.len()))
+        {
+            return rest;
+        }
+        list.note(None, "zeros behind the data");
+        data
+    }
+
     /// Returns the bytes that were compressed by LZF.
-    fn uncompressed(&self, rest: &[u8]) -> Result<Vec<u8>, Fault> {
+    fn uncompressed(&self, rest: &[u8], list: &mut PointList) -> Result<Vec<u8>, Fault> {
         let malformed = |why: String| Fault::malformed(None, why);
         let (Some((sizes, data)), Some((_, all))) = (rest.split_first_chunk::<8>(), self.size()) else {
             return Err(malformed("compressed data is cut (expected its two sizes)".into()));
         };
         let [a, b, c, d, e, f, g, h] = *sizes;
         let (packed, size) = (u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]));
+        let data = self.without_padding(data, u64::from(packed), list);
         if u64::from(packed) != data.len() as u64 {
             let why = format!("{} bytes of compressed data (expected {packed})", data.len());
             return Err(malformed(why));
@@ -355,9 +390,13 @@ impl Entries<'_> {
             let why = || format!("invalid number: {} (expected {least} or more)", text::quoted(words[k]));
             number.ok_or_else(|| Fault::malformed(*line, why()))
         };
-        let mut fields = Vec::new();
+        let (mut fields, mut empty) = (Vec::new(), Vec::new());
         for (k, name) in names.iter().enumerate() {
-            let (size, count) = (number(&sizes, k, 1)?, number(&counts, k, 1)?);
+            let (size, count) = (number(&sizes, k, 1)?, number(&counts, k, 0)?);
+            if count == 0 {
+                empty.push((*name).to_owned());
+                continue;
+            }
             let of = match &types {
                 Some((line, words)) => match words[k] {
                     "F" | "I" | "U" => Type::of(words[k].as_bytes()[0].to_ascii_lowercase(), size),
@@ -425,6 +464,7 @@ impl Entries<'_> {
         };
         Ok(Header {
             fields,
+            empty,
             fields_line,
             viewpoint,
             points,

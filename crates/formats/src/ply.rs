@@ -12,7 +12,7 @@
 use std::collections::HashSet;
 
 use crate::error::Fault;
-use crate::mesh::{MeshFile, MeshFormat, ObjectBuilder, SkippedList};
+use crate::mesh::{MeshFile, MeshFormat, MeshObject, ObjectBuilder, SkippedList};
 use crate::number::{Order, Type};
 use crate::points::PointList;
 use crate::{polygon, text};
@@ -479,18 +479,20 @@ impl Contents {
     }
 
     fn build(mut self) -> Result<MeshFile, Fault> {
-        if self.faces.is_empty() && !self.points.is_empty() {
-            return Err(Fault::unsupported(None, "a point cloud (vertices without faces)"));
-        }
-        let mut object = ObjectBuilder::default();
-        for face in std::mem::take(&mut self.faces) {
-            let added = self.face(&face, &mut object);
-            let name = if face.is_strip { "tristrips" } else { "face" };
-            added.map_err(|why| Fault::malformed(face.line, format!("{name} {} {why}", face.row)))?;
-        }
+        let object = if self.faces.is_empty() {
+            MeshObject::of_points(String::new(), std::mem::take(&mut self.points))
+        } else {
+            let mut object = ObjectBuilder::default();
+            for face in std::mem::take(&mut self.faces) {
+                let added = self.face(&face, &mut object);
+                let name = if face.is_strip { "tristrips" } else { "face" };
+                added.map_err(|why| Fault::malformed(face.line, format!("{name} {} {why}", face.row)))?;
+            }
+            object.build()
+        };
         Ok(MeshFile {
             format: MeshFormat::Ply,
-            objects: vec![object.build()],
+            objects: vec![object],
             skipped: self.skipped.build(),
         })
     }

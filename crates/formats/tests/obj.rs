@@ -63,6 +63,8 @@ fn spellings_of_exporters_are_read() {
         body.replace('\n', " # a comment \\\n"),
         v.replacen('\n', " 1 0 0\n", 3) + &f,
         v.replacen('\n', " 1.0\n", 1) + &f,
+        v.replace('\n', " nan -nan(ind) inf\n") + &f,
+        v.replace('\n', " 1 nan nan nan nan\n") + &f,
         v.clone() + &f.replace("f ", "fo "),
         v.clone() + "vt 0 0\nvn 0 0 1\n" + &f.replacen("f 1 2 4", "f 1/1 2/1/1 4//1", 1),
         v.clone() + &f.replacen("f 1 2 4", "f 1/ 2/1/ 4", 1) + "vt 0 0\n",
@@ -86,6 +88,28 @@ fn objects_are_apart_and_groups_are_not() {
     assert_eq!(file.objects[1].points.len(), 8);
     let text = vertices() + "g a\n" + &faces().replacen("f 1 4 3\n", "g b\nf 1 4 3\n", 1);
     assert_eq!(parse(text, "a.obj").expect("one object").objects.len(), 1);
+}
+
+#[test]
+fn vertices_without_faces_are_points_of_a_hull() {
+    let half = |k: usize| vertices().lines().skip(4 * k).take(4).collect::<Vec<_>>().join("\n");
+    let text = format!("o empty\no one\n{}\no two\n{}\nl 1 2\n", half(0), half(1));
+    let load = |text: &str| MeshFile::parse_for_hull(text.as_bytes(), "a.obj");
+    let file = load(&text).expect("points");
+    let objects = file
+        .objects
+        .iter()
+        .map(|o| (o.name.as_str(), o.points.len(), o.triangles.len()));
+    assert_eq!(objects.collect::<Vec<_>>(), [("one", 4, 0), ("two", 4, 0)]);
+    assert_eq!(file.whole().0, BOX);
+    assert_eq!(file.skipped[0].what, "l");
+    let error = parse(&text, "a.obj").expect_err("no triangle").to_string();
+    assert!(error.contains("vertices without faces"), "{error}");
+    // A face makes it a mesh, and other points are no part of the body.
+    let file = load(&(text + "f 1 2 4\n")).expect("a mesh");
+    assert_eq!((file.objects.len(), file.whole().0.len()), (1, 3));
+    let error = load("l 1 2\n").expect_err("no point").to_string();
+    assert!(error.contains("no triangle"), "{error}");
 }
 
 #[test]
@@ -190,6 +214,9 @@ fn a_fault_anywhere_is_named_with_its_line() {
         "v 1 2 nan",
         "v 1 2 1e400",
         "v 1 2 3 0.5",
+        "v 1 2 3 nan",
+        "v 1 nan 3 1 0 0",
+        "v 1 2 3 1 0 red",
         "v 1,5 2 3",
         "surf 0 1 0 1 1 2 3 4",
         "bzp 1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8",

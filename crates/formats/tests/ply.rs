@@ -529,6 +529,11 @@ fn counts_are_not_believed() {
     let points = text().replace("element face 12", "element face 0");
     let points = points.split("3 0 1 3").next().expect("vertices");
     assert!(fault(points).1.contains("a point cloud"));
+    let file = MeshFile::parse_for_hull(points.as_bytes(), "a.ply").expect("points of a hull");
+    assert_eq!(file.whole(), (BOX.to_vec(), vec![]));
+    let points = points.replacen("0.6", "nan", 1);
+    let error = MeshFile::parse_for_hull(points.as_bytes(), "a.ply").expect_err("a point that is not finite");
+    assert!(error.to_string().contains("vertex 1 is not finite"), "{error}");
 }
 
 #[test]

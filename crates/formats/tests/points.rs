@@ -295,12 +295,55 @@ fn fields_and_the_viewpoint_of_a_pcd_are_listed() {
     }
 }
 
+/// PCL writes into a map of the file, which is as long as a page, or a page longer than the data.
+#[test]
+fn zeros_up_to_a_page_behind_the_data_of_a_pcd_are_listed() {
+    for (k, data) in PCD.iter().enumerate() {
+        let bytes = pcd(PCD_HEADER, data);
+        let expected = read(&bytes, "a.pcd").points;
+        let with = |more: &[u8]| PointFile::parse(&[&bytes[..], more].concat(), "a.pcd");
+        let header = PCD_HEADER.len() + data.iter().position(|b| *b == b'\n').expect("a line") + 1;
+        for length in [4096 - bytes.len(), 4096 - header, 65_536 - header] {
+            let padded = with(&vec![0; length]);
+            match padded {
+                Ok(file) if k > 0 => {
+                    assert_eq!(file.points, expected, "{length}");
+                    assert_eq!(skipped(&file), [("zeros behind the data", None)]);
+                }
+                _ => assert!(k == 0 && padded.is_err(), "{k} {length}"),
+            }
+            let mut wrong = vec![0; length];
+            wrong[length / 2] = 1;
+            assert!(with(&wrong).is_err(), "{k} {length}");
+        }
+        // The sizes of compressed data are stated twice, those of other data by the header alone.
+        assert_eq!(with(&[0; 12]).is_ok(), k == 2);
+        assert!(with(&vec![0; 1 << 17]).is_err());
+    }
+}
+
+#[test]
+fn a_field_without_numbers_of_a_pcd_has_no_data() {
+    let header = PCD_HEADER
+        .replace("x y z", "x rgb y z radius")
+        .replace("4 4 4", "4 4 4 4 4")
+        .replace("F F F", "F F F F F")
+        .replace("1 1 1\n", "1 0 1 1 0\n");
+    for data in PCD {
+        let file = read(pcd(&header, data), "a.pcd");
+        assert_eq!(file.points, read(pcd(PCD_HEADER, data), "a.pcd").points);
+        assert_eq!(file.radii, None);
+        assert_eq!(skipped(&file), [("colors", Some(2)), ("\"radius\"", Some(2))]);
+    }
+}
+
 #[test]
 fn a_fault_of_a_pcd_is_named_with_its_line() {
     let faults = [
         (2, "FIELDS x y z", "FIELDS x y w"),
         (2, "FIELDS x y z", "FIELDS x y x"),
-        (5, "COUNT 1 1 1", "COUNT 1 1 0"),
+        (2, "COUNT 1 1 1", "COUNT 1 1 0"),
+        (5, "COUNT 1 1 1", "COUNT 1 1 -1"),
         (2, "COUNT 1 1 1", "COUNT 1 1 2"),
         (5, "COUNT 1 1 1", "COUNT 1 1"),
         (3, "SIZE 4 4 4", "SIZE 4 4"),

@@ -117,7 +117,7 @@ pub fn nearest_name<'a>(wrong: &str, names: impl IntoIterator<Item = &'a str>) -
         let name_letters = letters(name);
         let is_long = wrong.len().max(name_letters.len()) > LONGEST;
         let is_close = wrong.len().abs_diff(name_letters.len()) <= most;
-        let edits = (is_close && !is_long).then(|| strsim::generic_levenshtein(&wrong, &name_letters))?;
+        let edits = (is_close && !is_long).then(|| strsim::generic_damerau_levenshtein(&wrong, &name_letters))?;
         (edits <= most).then_some((edits, name))
     };
     let found = names.into_iter().filter_map(near).min_by_key(|(edits, _)| *edits);
@@ -136,6 +136,8 @@ mod tests {
         assert_eq!(near(" Base_Link ").as_deref(), Some("base_link"));
         assert_eq!(near("foream").as_deref(), Some("forearm"));
         assert_eq!(near("tools").as_deref(), Some("tool"));
+        // Two letters that changed places are one edit.
+        assert_eq!(near("tolo").as_deref(), Some("tool"));
         assert_eq!(near("gripper"), None);
         assert_eq!(near(""), None);
         assert_eq!(nearest_name("x", ["a", "b"]), None);

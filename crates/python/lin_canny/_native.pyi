@@ -592,6 +592,7 @@ class Robot:
         meshes: Literal["hull", "mesh", "pieces"] = "hull",
         pieces: _Path | None = None,
         skip_missing_meshes: bool = False,
+        floating: float = 10.0,
     ) -> Robot: ...
     @property
     def name(self) -> str: ...

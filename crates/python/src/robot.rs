@@ -19,6 +19,7 @@ struct Files {
     meshes: String,
     pieces: Option<PathBuf>,
     skip_missing_meshes: bool,
+    floating: f64,
 }
 
 impl Files {
@@ -37,8 +38,15 @@ impl Files {
                 )));
             }
         };
+        if !(self.floating >= 0.0 && self.floating.is_finite()) {
+            let floating = self.floating;
+            return Err(refused(format!(
+                "floating is out of range: {floating} (expected 0 or more)"
+            )));
+        }
         let mut options = LoadOptions::default()
             .meshes(usage)
+            .floating_limits([-self.floating, self.floating])
             .skip_missing_meshes(self.skip_missing_meshes);
         options.pieces.clone_from(&self.pieces);
         Ok(options)
@@ -73,12 +81,15 @@ impl Robot {
     /// those above the URDF. meshes: what mesh files become, "hull", "mesh" (the triangles as they
     /// are) or "pieces" (the hulls of the objects of an OBJ of the same name in the folder
     /// `pieces`). skip_missing_meshes: whether collision elements whose mesh file does not exist
-    /// are listed in `skipped`, and nothing is checked against them; else they are errors. Raises
-    /// FileError, which names file, line and element.
+    /// are listed in `skipped`, and nothing is checked against them; else they are errors. floating:
+    /// how far floating and planar joints, and sliding joints without limits, may go each way along
+    /// x, y and z; the pose at which the file draws a body is always within. Raises FileError, which
+    /// names file, line and element.
     #[staticmethod]
     #[pyo3(signature = (
-        urdf, srdf=None, *, packages=Vec::new(), meshes="hull", pieces=None, skip_missing_meshes=false
+        urdf, srdf=None, *, packages=Vec::new(), meshes="hull", pieces=None, skip_missing_meshes=false, floating=10.0
     ))]
+    #[allow(clippy::too_many_arguments)] // the signature in Python
     fn load(
         py: Python<'_>,
         urdf: PathBuf,
@@ -87,6 +98,7 @@ impl Robot {
         meshes: &str,
         pieces: Option<PathBuf>,
         skip_missing_meshes: bool,
+        floating: f64,
     ) -> PyResult<Self> {
         let meshes = meshes.to_owned();
         let files = Files {
@@ -96,6 +108,7 @@ impl Robot {
             meshes,
             pieces,
             skip_missing_meshes,
+            floating,
         };
         let options = files.options()?;
         let robot = py.detach(|| Loaded::load_with(&files.urdf, &files.packages(), &options));
@@ -177,12 +190,14 @@ impl Robot {
             meshes,
             pieces,
             skip_missing_meshes,
+            floating,
         } = &self.files;
         let options = PyDict::new(py);
         options.set_item("packages", packages)?;
         options.set_item("meshes", meshes)?;
         options.set_item("pieces", pieces)?;
         options.set_item("skip_missing_meshes", skip_missing_meshes)?;
+        options.set_item("floating", floating)?;
         let load = py.get_type::<Self>().getattr("load")?;
         let partial = py.import("functools")?.getattr("partial")?;
         let load = partial.call((load,), Some(&options))?;

@@ -248,15 +248,15 @@ impl CellFile {
     ///
     /// # Errors
     /// Returns an error if a pose or a length is out of range, or if a name does not exist. Then the
-    /// cell has some of the bodies.
-    pub fn add_to(&self, cell: &mut Cell) -> Result<Vec<Skipped>, PlanError> {
+    /// cell has some of the bodies. The error names the file and its key, such as `exclude[0]`.
+    pub fn add_to(&self, cell: &mut Cell) -> Result<Vec<Skipped>, FileError> {
         let (named, skipped) = self.add_bodies(cell)?;
         self.add_pairs(cell, &named)?;
         Ok(skipped)
     }
 
     /// Adds the bodies, and returns them by their names with what was skipped.
-    pub(crate) fn add_bodies(&self, cell: &mut Cell) -> Result<(NamedBodies, Vec<Skipped>), PlanError> {
+    pub(crate) fn add_bodies(&self, cell: &mut Cell) -> Result<(NamedBodies, Vec<Skipped>), FileError> {
         if self.excludes_exactly {
             cell.include_all();
         }
@@ -273,19 +273,21 @@ impl CellFile {
             }
             let (name, geometry) = (cell.free_name(&obstacle.name), obstacle.geometry.clone());
             let id = match &obstacle.poses {
-                Some(poses) => cell.add_moving_obstacle(&name, geometry, poses.clone())?,
-                None => cell.add_obstacle(&name, geometry, obstacle.pose)?,
+                Some(poses) => cell.add_moving_obstacle(&name, geometry, poses.clone()),
+                None => cell.add_obstacle(&name, geometry, obstacle.pose),
             };
+            let id = id.map_err(|e| self.error(format!("body {:?}", obstacle.name), e))?;
             if name != obstacle.name {
                 renamed.insert(id, &obstacle.name);
             }
         }
-        for (link, object) in &self.attached {
+        for (k, (link, object)) in self.attached.iter().enumerate() {
             let free = AttachedBody {
                 name: cell.free_name(&object.name),
                 ..object.clone()
             };
-            let id = free.attach_to(cell, link)?;
+            let id = free.attach_to(cell, link);
+            let id = id.map_err(|e| self.error(format!("attached[{k}] {:?}", object.name), e))?;
             if free.name != object.name {
                 renamed.insert(id, &object.name);
             }
@@ -317,35 +319,54 @@ impl CellFile {
     }
 
     /// Excludes the pairs, and sets margins and paddings.
-    pub(crate) fn add_pairs(&self, cell: &mut Cell, named: &NamedBodies) -> Result<(), PlanError> {
+    pub(crate) fn add_pairs(&self, cell: &mut Cell, named: &NamedBodies) -> Result<(), FileError> {
         if let Some(margin) = self.margin {
-            cell.set_margin(margin)?;
+            cell.set_margin(margin).map_err(|e| self.error("margin", e))?;
         }
-        for (name, padding) in &self.paddings {
-            for id in named.select(cell, name)? {
-                cell.pad(id, *padding)?;
+        for (k, (name, padding)) in self.paddings.iter().enumerate() {
+            let wrong = |e| self.error(format!("paddings[{k}]"), e);
+            for id in named.select(cell, name).map_err(wrong)? {
+                cell.pad(id, *padding).map_err(wrong)?;
             }
         }
-        for (pair, margin) in &self.margins {
-            for pair in named.pairs(cell, pair)? {
-                cell.set_pair_margin(pair.a, pair.b, Some(*margin))?;
+        for (k, (pair, margin)) in self.margins.iter().enumerate() {
+            let wrong = |e| self.error(format!("margins[{k}]"), e);
+            for pair in named.pairs(cell, pair).map_err(wrong)? {
+                cell.set_pair_margin(pair.a, pair.b, Some(*margin)).map_err(wrong)?;
             }
         }
         // A skipped body and a link without bodies have no pairs.
         let missing: BTreeSet<&str> = self.missing.iter().map(String::as_str).collect();
         let is_missing = |name: &BodyName| missing.contains(&*name.name) && !named.0.contains_key(&name.name);
-        for pair in self.excluded.iter().filter(|pair| !pair.iter().any(is_missing)) {
+        let key = match self.excludes_exactly {
+            true => "exclude_exactly",
+            false => "exclude",
+        };
+        for (k, pair) in self.excluded.iter().enumerate() {
+            if pair.iter().any(is_missing) {
+                continue;
+            }
+            let wrong = |e| self.error(format!("{key}[{k}]"), e);
             match named.pairs(cell, pair) {
                 Ok(found) => {
                     for pair in found {
-                        cell.exclude(pair.a, pair.b)?;
+                        cell.exclude(pair.a, pair.b).map_err(wrong)?;
                     }
                 }
                 Err(PlanError::WithoutBodies(_)) => {}
-                Err(error) => return Err(error),
+                Err(error) => return Err(wrong(error)),
             }
         }
         Ok(())
+    }
+
+    /// Returns the error of a key of the file.
+    fn error(&self, element: impl Into<String>, error: PlanError) -> FileError {
+        let element = element.into();
+        FileError {
+            element,
+            ..FileError::of_plan(&self.file, error)
+        }
     }
 
     /// Returns the cell of a JSON text.

@@ -6,6 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuate
 use lin_canny::{Cloud, CloudElement, Geometry, HalfSpace, Mesh, RelativePose, normalize_rotation};
 use lin_canny_formats::{Grid, Invalid, PointFile, Points};
 use lin_canny_plan::{Cell, CellBody, PlanError, TimedPoses};
+use serde::de::{Deserialize as _, Deserializer, Error as _};
 
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::geometry::{self, Solid};
@@ -106,6 +107,21 @@ pub(crate) fn parse_json<T: for<'a> serde::Deserialize<'a>>(text: &str, path: &P
     })
 }
 
+/// Reads exactly `N` numbers. The parser has no word for a list that is too long.
+fn exactly<'de, D: Deserializer<'de>, const N: usize>(deserializer: D) -> Result<[f64; N], D::Error> {
+    let numbers = Vec::<f64>::deserialize(deserializer)?;
+    let count = numbers.len();
+    let wrong = |_| D::Error::custom(format!("list of {count} numbers (expected {N})"));
+    numbers.try_into().map_err(wrong)
+}
+
+fn exactly_if_given<'de, D: Deserializer<'de>, const N: usize>(deserializer: D) -> Result<Option<[f64; N]>, D::Error> {
+    let Some(numbers) = Option::<Vec<f64>>::deserialize(deserializer)? else {
+        return Ok(None);
+    };
+    exactly(serde::de::value::SeqDeserializer::new(numbers.into_iter())).map(Some)
+}
+
 /// A body of a cell, or an attached object.
 #[derive(serde::Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -140,10 +156,13 @@ pub(crate) struct BodyText {
     #[cfg_attr(test, schemars(with = "Option<serde_json::Value>"))]
     geometry: Option<Geometry>,
     /// The position: in the world, or of an attached object in the frame of its link.
+    #[serde(default, deserialize_with = "exactly_if_given")]
     xyz: Option<[f64; 3]>,
     /// Roll, pitch and yaw in radians.
+    #[serde(default, deserialize_with = "exactly_if_given")]
     rpy: Option<[f64; 3]>,
     /// The rotation as a quaternion, in place of `rpy`.
+    #[serde(default, deserialize_with = "exactly_if_given")]
     xyzw: Option<[f64; 4]>,
     /// Poses at times of an obstacle that moves, in place of `xyz`, `rpy` and `xyzw`.
     pub(crate) poses: Option<PosesText>,
@@ -155,6 +174,7 @@ pub(crate) struct BodyText {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BlockText {
+    #[serde(deserialize_with = "exactly")]
     pub(crate) size: [f64; 3],
 }
 
@@ -177,6 +197,7 @@ pub(crate) struct SphereText {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(crate) struct EllipsoidText {
+    #[serde(deserialize_with = "exactly")]
     pub(crate) radii: [f64; 3],
 }
 
@@ -187,6 +208,7 @@ struct MeshText {
     /// A path, relative to the folder of this file, or `package://` or `file://`.
     file: String,
     /// Factors along x, y and z.
+    #[serde(default, deserialize_with = "exactly_if_given")]
     scale: Option<[f64; 3]>,
     /// The body that is made of the mesh.
     #[serde(rename = "as")]
@@ -221,7 +243,7 @@ struct VoxelsText {
     /// The size of a cell: one number or three.
     size: SizeText,
     /// The least corner of the cell with the indices 0, 0, 0.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "exactly")]
     origin: [f64; 3],
 }
 
@@ -246,6 +268,7 @@ pub(crate) enum PosesText {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(crate) struct HalfSpaceText {
+    #[serde(deserialize_with = "exactly")]
     pub(crate) normal: [f64; 3],
     #[serde(default)]
     pub(crate) offset: f64,
@@ -260,6 +283,7 @@ struct HeightsText {
     /// The heights, in place of a file: value `[i][j]` is at `(i, j)` times the spacing.
     values: Option<Vec<Vec<f64>>>,
     /// The spacing along x and y.
+    #[serde(deserialize_with = "exactly")]
     spacing: [f64; 2],
     /// The body is solid down to this height; an open surface without it.
     base: Option<f64>,

@@ -12,6 +12,7 @@ use serde_json::{Map, Value, json};
 use crate::error::{FileError, FileErrorKind};
 use crate::robot::Robot;
 use crate::xml::Xml;
+use crate::xml_text::XmlText;
 use lin_canny_plan::LinkBody;
 
 /// Error of a centre that is placed in the frame of its link, in units of the two distances that
@@ -161,8 +162,9 @@ pub(crate) fn edited(
     edit: impl Fn(&str, &Node<'_, '_>, usize) -> Option<(Range<usize>, String)>,
 ) -> Result<String, FileError> {
     let text = FileError::read(path)?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-    let xml = Xml::parse(path, text)?;
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let parsed = XmlText::new(text);
+    let xml = Xml::parse(path, &parsed)?;
     if xml.root().tag_name().name() != "robot" {
         return Err(xml.unknown_root("robot"));
     }
@@ -181,6 +183,7 @@ pub(crate) fn edited(
         let elements = link.children().filter(|node| node.has_tag_name("collision"));
         for (k, element) in elements.enumerate() {
             if let Some((range, text_of)) = edit(name, &element, k) {
+                let range = parsed.in_file(range);
                 out.push_str(text.get(done..range.start).unwrap_or_default());
                 out.push_str(&text_of);
                 done = range.end;

@@ -30,7 +30,14 @@ impl<'a> Records<'a> {
             .from_reader(text.as_bytes().chain(&b"\n"[..]));
         let header = reader.headers().map_err(|error| malformed(path, &error))?;
         let line = lines.of(header.position());
-        let names = header.iter().map(String::from).collect();
+        let names: Vec<String> = header.iter().map(String::from).collect();
+        if let [name] = &names[..]
+            && name.contains(';')
+        {
+            let shown: String = name.chars().take(40).collect();
+            let reason = format!("semicolons between the columns: {shown:?} (expected commas)");
+            return Err(FileError::new(path, Some(line), "", FileErrorKind::Malformed(reason)));
+        }
         Ok(Self {
             path,
             lines,

@@ -63,7 +63,7 @@ pub enum FileErrorKind {
     Missing(String),
     /// Returned if the file of a mesh or of points does not exist: its name, and where it was
     /// searched.
-    #[error("file {0} is missing")]
+    #[error("{}", missing(.0))]
     MissingMesh(String),
     /// Returned if two elements of a kind have the same name.
     #[error("name is already in use")]
@@ -193,6 +193,12 @@ fn finite_numbers(count: usize) -> String {
         1 => "a finite number".into(),
         _ => format!("{count} finite numbers"),
     }
+}
+
+fn missing(name: &str) -> String {
+    let is_of_package = ["package://", "model://"].iter().any(|scheme| name.contains(scheme));
+    let help = "; add the folder of its package to the packages";
+    format!("file {name} is missing{}", if is_of_package { help } else { "" })
 }
 
 fn suggested(near: &Option<Box<str>>) -> String {

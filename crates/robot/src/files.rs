@@ -178,9 +178,9 @@ impl RobotFiles {
         let mut named = None;
         if let Some(file) = &self.cell {
             let text = CellFile::load(file, &self.packages, &self.options)?;
-            let (bodies, notes) = text.add_bodies(&mut cell).map_err(|e| FileError::of_plan(file, e))?;
+            let (bodies, notes) = text.add_bodies(&mut cell)?;
             skipped.extend(notes);
-            named = Some((file, text, bodies));
+            named = Some((text, bodies));
         }
         for (link, file) in &self.attached {
             let object = AttachedBody::load(file, &self.packages, &self.options)?;
@@ -189,9 +189,8 @@ impl RobotFiles {
                 .map_err(|e| FileError::of_plan(file, e))?;
             skipped.extend(object.skipped);
         }
-        if let Some((file, text, bodies)) = named {
-            text.add_pairs(&mut cell, &bodies)
-                .map_err(|e| FileError::of_plan(file, e))?;
+        if let Some((text, bodies)) = named {
+            text.add_pairs(&mut cell, &bodies)?;
         }
         for (name, padding) in &self.paddings {
             cell.pad(name, *padding).map_err(|e| FileError {

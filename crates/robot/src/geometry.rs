@@ -150,7 +150,8 @@ pub(crate) fn of_mesh(
     let of_file = |file: &Path, why: String| FileErrorKind::Geometry(format!("mesh {}: {why}", file.display()));
     if usage != MeshUse::Pieces {
         let named = |e: FileErrorKind| of_file(file, e.to_string());
-        return of_soup(mesh_file::whole(file, placing)?, usage, options).map_err(named);
+        let soup = mesh_file::whole(file, placing, usage == MeshUse::Hull)?;
+        return of_soup(soup, usage, options).map_err(named);
     }
     let Some(folder) = &options.pieces else {
         return Err(FileErrorKind::Missing("folder of the convex pieces".into()));
@@ -162,7 +163,7 @@ pub(crate) fn of_mesh(
             beside.display()
         )));
     }
-    let hulls = mesh_file::objects(&beside, placing)?;
+    let hulls = mesh_file::objects(&beside, placing, true)?;
     let hulls = hulls.iter().map(|soup| hull(&soup.points).map(Piece::new));
     let hulls: Result<Vec<Piece>, _> = hulls.collect();
     let hulls = hulls.map_err(|e| of_file(&beside, e.to_string()))?;
@@ -203,6 +204,6 @@ pub(crate) fn of_submesh(
     if usage == MeshUse::Pieces {
         return Err(FileErrorKind::Unsupported("a submesh as convex pieces".into()));
     }
-    let soup = mesh_file::submesh(file, name, is_centered, placing);
+    let soup = mesh_file::submesh(file, name, is_centered, placing, usage == MeshUse::Hull);
     soup.and_then(|soup| of_soup(soup, usage, options)).map_err(named)
 }

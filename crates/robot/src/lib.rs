@@ -66,8 +66,12 @@
 //!   `dynamics`, `calibration`, `safety_controller`, `transmission`, `gazebo`, `material`,
 //!   `sensor`, `ros2_control`, some of other tools, and all of a foreign namespace. A fault in them
 //!   changes nothing.
-//! * Every other element is an error, and so is an element that is given twice, text between
-//!   elements, or an unknown attribute of `origin`, `axis`, `mimic` or a shape.
+//! * Every other element is an error, and so is an element that is given twice, or an unknown
+//!   attribute of `origin`, `axis`, `mimic` or a shape.
+//! * What simulators take, because they read XML by tinyxml, is read and listed in
+//!   [`Robot::skipped`]: text and CDATA between elements, `--` in a comment, a prefix that is not
+//!   declared, and text before the XML declaration. The same holds for MJCF, SDFormat and SRDF. An
+//!   attribute that is given twice is an error. Limits of a joint that look like degrees are listed.
 //! * Drake's elements are read by their prefix: `drake:capsule` and `drake:ellipsoid` are shapes, a
 //!   mesh with `drake:declare_convex` is its hull with every [`LoadOptions::meshes`], and
 //!   `drake:collision_filter_group` excludes pairs (see [`Robot::excluded`]). Elements of contacts,
@@ -85,7 +89,8 @@
 //!   whose `pos` is not zero, has links without bodies before it: `body:joint`. Without a name in
 //!   the file, bodies and joints are `body3` and `joint2`, with MuJoCo's numbers.
 //! * A coordinate is MuJoCo's `qpos` of the joint, so that `ref` is the drawn pose. A free joint
-//!   has the position in the world, and angles as in `rpy`. A ball joint is an error.
+//!   has the position in the world, and angles as in `rpy`; its limits contain the drawn pose. A
+//!   ball joint is an error.
 //! * A joint has limits if `limited` is true, or if it is `auto` and the first number of `range` is
 //!   below the second: `range="0 0"` is no limit. A free joint has none. The flags `limit`,
 //!   `equality` and `constraint` switch limits and equalities off.
@@ -98,7 +103,7 @@
 //!   nothing: all those pairs are checked. A flag that switches contacts off changes nothing, and
 //!   is listed in [`Robot::skipped`].
 //! * A mesh is used as its hull, as in MuJoCo, or as [`LoadOptions::meshes`] says. Meshes are STL,
-//!   OBJ and MSH files, or in the file. A geom that MuJoCo would fit to a mesh is an error.
+//!   OBJ and MSH files, or in the file; a file of points alone is a hull only. A geom that MuJoCo would fit to a mesh is an error.
 //! * A plane of a body that no joint moves is a half-space; in a cell it is an obstacle with the
 //!   name of the link. A plane that moves is a box of the size [`LoadOptions::plane_extent`] below
 //!   the plane. A height field is the solid below its heights, which must be in the file.
@@ -109,7 +114,8 @@
 //!
 //! # How an SDFormat file is converted
 //!
-//! Versions 1.3 to 1.12 are read, each by its rules.
+//! Versions 1.3 to 1.12 are read, each by its rules. What a later version added, such as
+//! `relative_to` in version 1.6, has its later meaning, as in libsdformat, and is listed.
 //!
 //! ```
 //! use lin_canny_robot::{Packages, Robot};
@@ -133,7 +139,7 @@
 //!   `world`, the tree of its canonical link is fixed.
 //! * A floating link has the coordinates `LINK/x`, `LINK/y`, `LINK/z`, `LINK/roll`, `LINK/pitch`
 //!   and `LINK/yaw`: its pose in the world, as in `pose`. [`Robot::start`] returns the
-//!   configuration in which the file draws the robot.
+//!   configuration in which the file draws the robot, and the limits contain it.
 //! * The frame of a link is that of the revolute or prismatic joint that moves it, as in URDF, and
 //!   not that of its `pose`.
 //! * `relative_to`, `attached_to`, `placement_frame`, `expressed_in`, `canonical_link`, nested
@@ -215,6 +221,7 @@ mod trajectory;
 mod turn;
 mod urdf;
 mod xml;
+mod xml_text;
 mod yaml;
 
 pub use audit::{AuditCell, AuditVerdict, LinkAudit, audit, audit_cells, audit_pair};

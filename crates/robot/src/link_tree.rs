@@ -7,7 +7,7 @@ use lin_canny_plan::Drive;
 
 use crate::error::{FileError, FileErrorKind, Place};
 use crate::options::LoadOptions;
-use crate::robot::Robot;
+use crate::robot::{Robot, containing};
 use crate::xml::EXTENT_MAX;
 use lin_canny_plan::nearest_name as nearest;
 use lin_canny_plan::{Coordinate, MotionKind, RobotJoint, RobotLink, RobotModel};
@@ -272,11 +272,16 @@ impl File<'_> {
         }
     }
 
-    /// Returns the least and greatest value of the coordinate of a joint.
+    /// Returns the least and greatest value of the coordinate of a joint. Limits that the file does
+    /// not state contain the value at which it draws the joint.
     fn range(&self, joint: &FileJoint) -> [f64; 2] {
         let open = match joint.kind {
             MotionKind::Prismatic => self.options.floating_limits,
             _ => self.options.continuous_limits,
+        };
+        let open = match joint.reference {
+            0.0 => open,
+            drawn => containing(open, drawn),
         };
         let or = |value: f64, open: f64| if value.is_finite() { value } else { open };
         [or(joint.limits[0], open[0]), or(joint.limits[1], open[1])]

@@ -12,6 +12,7 @@ use crate::packages::Packages;
 use crate::robot::Robot;
 use crate::trajectory::Trajectory;
 use crate::xml::Xml;
+use crate::xml_text::XmlText;
 use crate::{message, mjcf, sdformat, urdf, yaml};
 use lin_canny_plan::{Coordinate, MotionKind};
 
@@ -47,7 +48,8 @@ impl Robot {
         options: &LoadOptions,
     ) -> Result<Self, FileError> {
         let path = path.as_ref();
-        let xml = Xml::parse(path, text)?;
+        let text = XmlText::new(text);
+        let xml = Xml::parse(path, &text)?;
         let infinite = options.clone().plane_extent(f64::INFINITY);
         let mut robot = match xml.root().tag_name().name() {
             "robot" => urdf::read(&xml, packages, options),
@@ -55,6 +57,7 @@ impl Robot {
             "sdf" => sdformat::read(&xml, packages, &infinite),
             _ => Err(xml.unknown_root("robot, mujoco or sdf")),
         }?;
+        robot.skipped.splice(0..0, xml.skipped());
         robot.bound_planes(options.plane_extent, path)?;
         Ok(robot)
     }
@@ -108,7 +111,10 @@ impl CellFile {
     ) -> Result<Self, FileError> {
         let path = path.as_ref();
         if text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
-            let (obstacles, skipped) = sdformat::obstacles(&Xml::parse(path, text)?, packages, options)?;
+            let text = XmlText::new(text);
+            let xml = Xml::parse(path, &text)?;
+            let (obstacles, mut skipped) = sdformat::obstacles(&xml, packages, options)?;
+            skipped.extend(xml.skipped());
             return Ok(Self {
                 file: path.into(),
                 obstacles,

@@ -58,9 +58,11 @@ impl Soup {
 }
 
 /// Returns the placed objects of a file.
-pub(crate) fn objects(file: &Path, placing: &MeshPlacing) -> Result<Vec<Soup>, FileErrorKind> {
+///
+/// With `is_hull` they may have no triangles.
+pub(crate) fn objects(file: &Path, placing: &MeshPlacing, is_hull: bool) -> Result<Vec<Soup>, FileErrorKind> {
     let named = |e: FileErrorKind| FileErrorKind::Geometry(format!("mesh {}: {e}", file.display()));
-    let mesh = MeshFile::load(file)?;
+    let mesh = load(file, is_hull)?;
     let soups = mesh
         .objects
         .into_iter()
@@ -68,10 +70,19 @@ pub(crate) fn objects(file: &Path, placing: &MeshPlacing) -> Result<Vec<Soup>, F
     soups.collect::<Result<_, _>>().map_err(named)
 }
 
+fn load(file: &Path, is_hull: bool) -> Result<MeshFile, FileErrorKind> {
+    let mesh = if is_hull {
+        MeshFile::load_for_hull(file)
+    } else {
+        MeshFile::load(file)
+    };
+    Ok(mesh?)
+}
+
 /// Returns all objects of a file as one mesh.
-pub(crate) fn whole(file: &Path, placing: &MeshPlacing) -> Result<Soup, FileErrorKind> {
+pub(crate) fn whole(file: &Path, placing: &MeshPlacing, is_hull: bool) -> Result<Soup, FileErrorKind> {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
-    for soup in objects(file, placing)? {
+    for soup in objects(file, placing, is_hull)? {
         let first = points.len() as u32;
         points.extend(soup.points);
         triangles.extend(soup.triangles.iter().map(|t| t.map(|k| k + first)));
@@ -87,8 +98,9 @@ pub(crate) fn submesh(
     name: &str,
     is_centered: bool,
     placing: &MeshPlacing,
+    is_hull: bool,
 ) -> Result<Soup, FileErrorKind> {
-    let mesh = MeshFile::load(file)?;
+    let mesh = load(file, is_hull)?;
     // Simulators use the name of the node here, and the objects have the name of the geometry.
     if mesh.format == MeshFormat::Collada {
         return Err(FileErrorKind::Unsupported("a submesh of a COLLADA file".into()));

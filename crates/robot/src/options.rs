@@ -53,8 +53,10 @@ pub struct LoadOptions {
     pub keep_invalid: bool,
     /// Least and greatest value of a revolute joint without limits, in radians.
     pub continuous_limits: [f64; 2],
-    /// Least and greatest position of planar and floating joints, which URDF does not limit, in the
-    /// unit of the file.
+    /// Least and greatest position of planar and floating joints, which URDF does not limit, and of
+    /// sliding joints without limits, in the unit of the file.
+    ///
+    /// They are widened to contain the pose at which an MJCF or SDFormat file draws a body.
     pub floating_limits: [f64; 2],
     /// Half the side of the box that stands for a plane of a link that a joint moves, in MJCF or
     /// SDFormat; the box is as deep. In the unit of the file.

@@ -1,8 +1,10 @@
 //! Robots that are read from files.
 
+use lin_canny::nalgebra::Isometry3;
 use lin_canny_plan::{Coordinate, RobotJoint, RobotLink, RobotModel};
 
 use crate::error::{FileErrorKind, Skipped};
+use crate::turn::to_roll_pitch_yaw;
 use lin_canny_plan::nearest_name as nearest;
 
 /// A robot that is read from a URDF, MJCF or SDFormat file.
@@ -64,17 +66,31 @@ impl Robot {
     /// Returns the configuration in which the file draws the robot.
     ///
     /// All values are zero, but for floating links of SDFormat and MJCF, whose coordinates are their
-    /// poses in the world, and for joints of MJCF with a `ref`. A value may be outside its limits.
+    /// poses in the world, and for joints of MJCF with a `ref`. A value may be outside the limits that
+    /// the file states.
     #[must_use]
     pub fn start(&self) -> &[f64] {
         &self.start
+    }
+
+    /// Draws a floating link at a pose: the limits of its coordinates, from the first, contain it.
+    pub(crate) fn draw(&mut self, first: usize, pose: &Isometry3<f64>) {
+        let position: [f64; 3] = pose.translation.vector.into();
+        let values = position.into_iter().chain(to_roll_pitch_yaw(&pose.rotation));
+        for (k, value) in (first..).zip(values) {
+            self.start[k] = value;
+            let limits = &mut self.model.coordinates[k].limits;
+            *limits = containing(*limits, value);
+        }
     }
 
     /// Returns what the file names and the robot does not hold.
     ///
     /// These are collision elements whose mesh file does not exist, if
     /// [`LoadOptions::skip_missing_meshes`](crate::LoadOptions::skip_missing_meshes) is set, elements of SDFormat that are left out by rule,
-    /// such as `actor`, and in MJCF equalities of bodies and flags that switch contacts off.
+    /// such as `actor`, and in MJCF equalities of bodies and flags that switch contacts off. What XML
+    /// does not allow and simulators take is listed too: text between elements, `--` in comments,
+    /// prefixes that are not declared, and text before the XML declaration.
     #[must_use]
     pub fn skipped(&self) -> &[Skipped] {
         &self.skipped
@@ -116,6 +132,13 @@ impl Robot {
         let bodies: Vec<(usize, usize)> = bodies.collect();
         self.model.excluded.iter().map(|pair| pair.map(|k| bodies[k])).collect()
     }
+}
+
+/// Returns limits that contain a value as well.
+pub(crate) fn containing([lower, upper]: [f64; 2], value: f64) -> [f64; 2] {
+    let least = if value < lower { value } else { lower };
+    let most = if value > upper { value } else { upper };
+    [least, most]
 }
 
 /// Returns the pairs of adjacent links by the joints, where joint k moves link k + 1.

@@ -11,6 +11,7 @@ use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::groups::{self, GroupState, JointGroup, VirtualJoint};
 use crate::robot::Robot;
 use crate::xml::{Xml, attribute};
+use crate::xml_text::XmlText;
 
 /// Two links that are excluded: not checked against each other, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -78,7 +79,8 @@ impl Srdf {
     /// # Errors
     /// As [`load`](Self::load).
     pub fn parse(text: &str, path: impl AsRef<Path>, robot: &Robot) -> Result<Self, FileError> {
-        let xml = Xml::parse(path.as_ref(), text)?;
+        let text = XmlText::new(text);
+        let xml = Xml::parse(path.as_ref(), &text)?;
         if xml.root().tag_name().name() != "robot" {
             return Err(xml.unknown_root("robot"));
         }
@@ -128,6 +130,7 @@ impl Srdf {
         (srdf.groups, srdf.states) = (found.groups, found.states);
         srdf.virtual_joints = found.virtual_joints;
         srdf.skipped.extend(found.skipped);
+        srdf.skipped.extend(xml.skipped());
         srdf.skipped.sort_by_key(|skipped| skipped.line);
         // A pair that is both disabled and enabled is disabled, as in MoveIt.
         let disabled: HashSet<[String; 2]> = srdf.excluded.iter().map(|pair| sorted(&pair.links)).collect();

@@ -49,6 +49,9 @@ const PASSED: [&str; 23] = [
 /// The first version of URDF in which an omitted limit is no limit.
 const OPEN_LIMITS: [u32; 2] = [1, 2];
 
+/// Limits of joints, in radians, that are rather degrees: more than ten turns.
+const DEGREES: std::ops::RangeInclusive<f64> = 63.0..=720.0;
+
 /// State of the reader.
 struct Reader<'a> {
     xml: &'a Xml<'a>,
@@ -136,6 +139,13 @@ impl<'a> Reader<'a> {
             return Err(xml.error(&node, FileErrorKind::Missing("element limit".into())));
         }
         let limits = limit.map(|limit| self.limits(&limit)).transpose()?;
+        if let (Some(limit), Some([lower, upper])) = (limit, limits.filter(|_| is_limited))
+            && kind == MotionKind::Revolute
+            && [lower, upper].iter().any(|x| DEGREES.contains(&x.abs()))
+        {
+            let what = format!("limits {lower:?} and {upper:?} look like degrees (expected radians)");
+            xml.skip(limit.range().start, xml.error(&limit, FileErrorKind::Malformed(what)));
+        }
         let open = [f64::NEG_INFINITY, f64::INFINITY];
         Ok(FileJoint {
             place: xml.place(&node),

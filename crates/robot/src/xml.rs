@@ -4,6 +4,8 @@
 //! meaning would be lost. Elements that hold neither geometry nor kinematics are listed here and
 //! passed over unread.
 
+use std::cell::RefCell;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
 use std::rc::Rc;
 
@@ -11,9 +13,10 @@ use lin_canny::RelativePose;
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
-use crate::error::{FileError, FileErrorKind, Place};
+use crate::error::{FileError, FileErrorKind, Place, Skipped};
 use crate::text::check_content;
 use crate::turn::{from_xyzw, roll_pitch_yaw};
+use crate::xml_text::{UNDECLARED, XmlText};
 use lin_canny_plan::nearest_name as nearest;
 
 /// The largest coordinate of a body, as in [`lin_canny`].
@@ -55,17 +58,18 @@ pub(crate) struct Xml<'a> {
     pub(crate) file: &'a Path,
     /// The file, shared by all places.
     place: Rc<Path>,
-    text: &'a str,
+    text: &'a XmlText,
     document: Document<'a>,
     /// The positions of line feeds.
     line_feeds: Vec<usize>,
+    /// What tinyxml passes over, by its position.
+    skipped: RefCell<BTreeMap<usize, Skipped>>,
 }
 
 impl<'a> Xml<'a> {
-    pub(crate) fn parse(file: &'a Path, text: &'a str) -> Result<Self, FileError> {
+    pub(crate) fn parse(file: &'a Path, whole: &'a XmlText) -> Result<Self, FileError> {
+        let text = whole.text.as_str();
         check_content(text).map_err(|reason| FileError::new(file, Some(1), "", reason))?;
-        // The parser skips a byte order mark, but counts it in positions.
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         check_size(text).map_err(|what| FileError::new(file, Some(1), "", FileErrorKind::Unsupported(what.into())))?;
         let options = ParsingOptions {
             allow_dtd: true,
@@ -85,10 +89,16 @@ impl<'a> Xml<'a> {
         let xml = Self {
             file,
             place: file.into(),
-            text,
+            text: whole,
             document,
             line_feeds,
+            skipped: RefCell::default(),
         };
+        for (at, what) in &whole.notes {
+            let reason = FileErrorKind::Malformed(what.clone());
+            xml.skip(*at, FileError::new(file, Some(xml.line_at(*at)), "", reason));
+        }
+        xml.skip_undeclared();
         let is_deep = |node: &Node| node.ancestors().nth(DEPTH).is_some();
         if let Some(node) = xml.document.descendants().find(is_deep) {
             let reason = FileErrorKind::Malformed(format!("elements are nested too deep (expected at most {DEPTH})"));
@@ -128,13 +138,69 @@ impl<'a> Xml<'a> {
     }
 
     pub(crate) fn line(&self, node: &Node) -> u32 {
-        let start = node.range().start;
-        1 + self.line_feeds.partition_point(|&at| at < start) as u32
+        self.line_at(node.range().start)
+    }
+
+    fn line_at(&self, position: usize) -> u32 {
+        1 + self.line_feeds.partition_point(|&at| at < position) as u32
+    }
+
+    /// Returns what was passed over so far that XML, or the format, does not allow.
+    pub(crate) fn skipped(&self) -> Vec<Skipped> {
+        self.skipped.borrow().values().cloned().collect()
+    }
+
+    /// Lists what is passed over at a position of the text.
+    pub(crate) fn skip(&self, position: usize, error: FileError) {
+        self.skipped
+            .borrow_mut()
+            .entry(position)
+            .or_insert_with(|| error.into());
+    }
+
+    /// Lists the prefixes that the file does not declare, each with the first element that has it.
+    fn skip_undeclared(&self) {
+        let mut known = HashSet::new();
+        let mut check = |node: &Node, position: usize, uri: Option<&str>| {
+            if let Some(prefix) = uri.and_then(|uri| uri.strip_prefix(UNDECLARED))
+                && known.insert(prefix.to_owned())
+            {
+                let rule = format!("expected an attribute xmlns:{prefix} of the root element");
+                let reason = FileErrorKind::Malformed(format!("undeclared prefix: {prefix:?} ({rule})"));
+                self.skip(position, self.error(node, reason));
+            }
+        };
+        for node in self.document.descendants().filter(Node::is_element) {
+            check(&node, node.range().start, node.tag_name().namespace());
+            for attribute in node.attributes() {
+                check(&node, attribute.range().start, attribute.namespace());
+            }
+        }
+    }
+
+    /// Lists a text that is not blank between elements, where no text is read.
+    pub(crate) fn skip_text(&self, parent: &Node, text: &Node) {
+        let found = text.text().filter(|_| text.is_text()).unwrap_or_default().trim();
+        if !found.is_empty() {
+            let shown: String = found.chars().take(40).collect();
+            let reason = FileErrorKind::Unsupported(format!("text between elements ({shown:?})"));
+            let range = text.range();
+            let written = self.text.text.get(range.clone()).unwrap_or_default();
+            let at = range.start + (written.len() - written.trim_start().len());
+            let error = FileError::new(self.file, Some(self.line_at(at)), title(parent), reason);
+            self.skip(at, error);
+        }
+    }
+
+    /// Returns whether an element has a prefix of another namespace than the root.
+    pub(crate) fn is_foreign(&self, node: &Node) -> bool {
+        self.prefix(node).is_some() && node.tag_name().namespace() != self.root().tag_name().namespace()
     }
 
     /// Returns the elements below another one that are read, in their order.
     ///
-    /// Elements of `passed` and of a foreign namespace are passed over. Anything else is an error.
+    /// Elements of `passed` and of a foreign namespace are passed over, and text is listed. Any other
+    /// element is an error.
     pub(crate) fn below<'n>(
         &self,
         parent: Node<'n, 'a>,
@@ -148,12 +214,8 @@ impl<'a> Xml<'a> {
             let uri = node.tag_name().namespace();
             let prefix = self.prefix(&node);
             let is_xacro = prefix == Some("xacro") || uri.is_some_and(|uri| uri.contains("xacro"));
-            let is_foreign = self.is_of_drake(&node) || prefix.is_some() && uri != self.root().tag_name().namespace();
-            if node.is_text() && node.text().is_some_and(|text| !text.trim().is_empty()) {
-                let text: String = node.text().unwrap_or_default().trim().chars().take(40).collect();
-                let reason = FileErrorKind::Malformed(format!("unexpected text: {text:?} (expected elements)"));
-                return Err(self.error(&parent, reason));
-            }
+            let is_foreign = self.is_of_drake(&node) || self.is_foreign(&node);
+            self.skip_text(&parent, &node);
             if !node.is_element() || (is_foreign && !is_xacro) {
                 continue;
             }
@@ -232,7 +294,11 @@ impl<'a> Xml<'a> {
 
     /// Returns the prefix of the namespace of an element, as it is written.
     fn prefix(&self, node: &Node) -> Option<&'a str> {
-        let tag = self.text.get(node.range().start + 1..).filter(|_| node.is_element())?;
+        let tag = self
+            .text
+            .text
+            .get(node.range().start + 1..)
+            .filter(|_| node.is_element())?;
         let end = tag.find(|c: char| c.is_whitespace() || matches!(c, '/' | '>'))?;
         tag[..end].split_once(':').map(|(prefix, _)| prefix)
     }
@@ -369,14 +435,9 @@ fn malformed(text: &str, error: &roxmltree::Error) -> (u32, String) {
         Error::UnclosedRootNode | Error::UnexpectedEndOfStream => text.lines().count() as u32,
         _ => error.pos().row,
     };
-    let is_late = text.trim_start().starts_with("<?xml") && !text.starts_with("<?xml");
     let reason = match error {
-        _ if is_late => "blanks before the XML declaration (expected `<?xml` at the start of the file)".into(),
         Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
             "undeclared prefix: \"xacro\" (expected a URDF); run xacro on the file first".into()
-        }
-        Error::UnknownNamespace(prefix, _) => {
-            format!("undeclared prefix: {prefix:?} (expected an attribute xmlns:{prefix} of the root element)")
         }
         Error::MalformedEntityReference(_) => "malformed entity reference: \"&\" (expected &amp; for the sign)".into(),
         error => error.to_string(),

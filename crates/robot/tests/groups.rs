@@ -334,6 +334,15 @@ fn virtual_joints_are_read() {
 }
 
 #[test]
+fn what_tinyxml_takes_is_listed() {
+    let text = "group \"g\": text between elements (\"text\")";
+    let prefix = "undeclared prefix: \"moveit\"";
+    assert_eq!(skipped("<group name='g'>text</group>", text).groups.len(), 2);
+    assert_eq!(skipped("<!-- ---- -->", "\"--\" in a comment").groups.len(), 1);
+    assert_eq!(skipped("<moveit:x/><moveit:y/>", prefix).groups.len(), 1);
+}
+
+#[test]
 fn faults_are_errors_with_their_line() {
     for (element, words) in [
         (
@@ -341,7 +350,6 @@ fn faults_are_errors_with_their_line() {
             "unknown element: \"cone\" (expected link, joint, chain, group)",
         ),
         ("<group name='g'><lnk name='base'/></group>", "did you mean \"link\"?"),
-        ("<group name='g'>text</group>", "unexpected text"),
         ("<group/>", "attribute name is missing"),
         ("<group name='g'><link/></group>", "attribute name is missing"),
         ("<group name='g'><joint nam='j'/></group>", "did you mean \"name\"?"),

@@ -300,7 +300,11 @@ fn missing_and_foreign_meshes_are_named() {
         sphere,
         &mesh("package://nowhere/x.stl"),
         3,
-        &["link \"b\"", "nowhere/x.stl"],
+        &[
+            "link \"b\"",
+            "nowhere/x.stl",
+            "; add the folder of its package to the packages",
+        ],
     );
     assert!(matches!(reason, FileErrorKind::MissingMesh(_)));
     let reason = refused(sphere, &mesh("x.obj"), 3, &["link \"b\"", "x.obj"]);
@@ -313,6 +317,54 @@ fn missing_and_foreign_meshes_are_named() {
         &["link \"b\"", "gripper.urdf", ".stl"],
     );
     assert!(matches!(reason, FileErrorKind::Mesh(_)));
+}
+
+/// A file of vertices without faces is a hull, as in MuJoCo, and no mesh.
+#[test]
+fn points_alone_are_a_hull_where_a_hull_is_wanted() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("points_alone");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let rows: Vec<String> = (0..8).map(|k| format!("{} {} {}", k & 1, k >> 1 & 1, k >> 2)).collect();
+    let header =
+        "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    let words = [8, 0, 0, 0].into_iter().flat_map(u32::to_le_bytes);
+    let numbers = rows
+        .iter()
+        .flat_map(|row| row.split(' '))
+        .flat_map(|x| x.parse::<f32>().expect("a number").to_le_bytes());
+    std::fs::write(folder.join("c.obj"), format!("v {}\n", rows.join("\nv "))).expect("a file");
+    std::fs::write(folder.join("c.ply"), header.to_owned() + &rows.join("\n")).expect("a file");
+    std::fs::write(folder.join("c.msh"), words.chain(numbers).collect::<Vec<u8>>()).expect("a file");
+    for name in ["c.obj", "c.ply", "c.msh"] {
+        let urdf = format!(
+            "<robot name='r'><link name='a'><collision><geometry><mesh filename='{name}' scale='2 2 2'/></geometry></collision></link></robot>"
+        );
+        let mjcf = format!(
+            "<mujoco><asset><mesh name='c' file='{name}' scale='2 2 2'/></asset><worldbody><geom type='mesh' mesh='c'/></worldbody></mujoco>"
+        );
+        let sdf = format!(
+            "<sdf version='1.9'><model name='m'><link name='l'><collision name='c'><geometry><mesh><uri>{name}</uri><scale>2 2 2</scale></mesh></geometry></collision></link></model></sdf>"
+        );
+        for text in [urdf, mjcf, sdf] {
+            let load = |options: &LoadOptions| Robot::parse(&text, folder.join("r.xml"), &Packages::default(), options);
+            let robot = load(&LoadOptions::default().measure_hulls(true)).unwrap_or_else(|e| panic!("{e}: {text}"));
+            let mut bodies = robot.links().iter().flat_map(|link| &link.bodies);
+            let body = bodies.next().expect("a body");
+            let lin_canny::Geometry::Polyhedron(hull) = &body.geometry else {
+                panic!("a hull")
+            };
+            assert!((hull.volume() - 8.0).abs() < 1e-12 && body.hull_fit.is_none());
+            let pieces = load(&LoadOptions::default().meshes(MeshUse::Pieces).pieces(&folder)).expect("pieces");
+            assert!(pieces.links().iter().any(|link| !link.bodies.is_empty()));
+            let error = load(&LoadOptions::default().meshes(MeshUse::Mesh))
+                .expect_err("no triangle")
+                .to_string();
+            assert!(
+                error.contains(name) && error.contains("a point cloud (vertices without faces) as a mesh"),
+                "{error}"
+            );
+        }
+    }
 }
 
 /// A tetrahedron as STL: text, binary, and binary with a header that begins as text does.

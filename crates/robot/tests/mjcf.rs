@@ -561,6 +561,61 @@ fn what_is_left_out_is_listed_with_its_line() {
     assert_eq!(robot.joints()[0].kind, MotionKind::Fixed);
 }
 
+/// MuJoCo reads its files by tinyxml, and passes over what is no element of it.
+#[test]
+fn what_tinyxml_takes_is_listed() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let part = "<mujocoinclude><!-- --- -->\n<geom size=\".1\"/>\n<y:geom/></mujocoinclude>";
+    std::fs::write(folder.join("tinyxml_part.xml"), part).expect("a file");
+    let text = "\n<?xml version=\"1.0\"?>\n<mujoco><!-- ---- -->\n<worldbody><![CDATA[x]]>\n<include file=\"tinyxml_part.xml\"/>\n\
+                <y:geom a=\"1\"/></worldbody></mujoco>";
+    let robot = Robot::parse(
+        text,
+        folder.join("r.xml"),
+        &Packages::default(),
+        &LoadOptions::default(),
+    )
+    .expect("a robot");
+    assert_eq!(robot.links()[0].bodies.len(), 1);
+    let skipped: Vec<_> = robot
+        .skipped()
+        .iter()
+        .map(|s| (s.line.expect("a line"), s.reason.as_str()))
+        .collect();
+    let expected = [
+        (2, "XML declaration"),
+        (3, "comment"),
+        (4, "text between"),
+        (6, "undeclared"),
+        (3, "element geom of"),
+        (1, "comment"),
+        (3, "undeclared"),
+        (6, "element geom of"),
+    ];
+    assert_eq!(skipped.len(), expected.len(), "{skipped:?}");
+    for (skipped, (line, words)) in skipped.iter().zip(expected) {
+        assert!(
+            skipped.0 == line && skipped.1.contains(words),
+            "{skipped:?}, expected {line} {words}"
+        );
+    }
+}
+
+#[test]
+fn limits_that_the_file_does_not_state_contain_where_it_draws() {
+    let text = "<mujoco><worldbody><body pos=\"0 -12 11\"><freejoint name=\"f\"/><geom size=\".1\"/></body>\
+                <body><joint name=\"s\" type=\"slide\" ref=\"20\"/><joint name=\"t\" type=\"slide\" ref=\"20\" range=\"1 2\" limited=\"true\"/>\
+                <geom size=\".1\"/></body></worldbody></mujoco>";
+    let robot = parse(text).expect("a robot");
+    let limits = |k: usize| robot.coordinates()[k].limits;
+    assert_eq!(
+        [limits(0), limits(1), limits(2)],
+        [[-10.0, 10.0], [-12.0, 10.0], [-10.0, 11.0]]
+    );
+    assert_eq!([limits(6), limits(7)], [[-10.0, 20.0], [1.0, 2.0]]);
+    assert_eq!(robot.start()[..3], [0.0, -12.0, 11.0]);
+}
+
 #[test]
 fn names_that_the_file_leaves_out_are_numbers() {
     let text = "<mujoco><worldbody><body><joint/><geom size=\"1\"/><body name=\"x\"><joint type=\"slide\"/></body></body></worldbody></mujoco>";

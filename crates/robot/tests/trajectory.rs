@@ -107,6 +107,7 @@ fn errors_of_the_header_have_its_line() {
             ("s|1", "column \"t\" is missing"),
             ("s,t,x|1,1,1", "\"x\""),
             ("s,s|1,1", "already in use"),
+            ("s;t|1;1", "semicolons between the columns: \"s;t\" (expected commas)"),
         ] {
             for end in 0..4 {
                 let text = ended(&format!("{before}{header}"), end);

@@ -2,8 +2,11 @@
 
 use std::path::Path;
 
+use lin_canny::cover::CoverGoal;
 use lin_canny::nalgebra::{UnitQuaternion, Vector3};
-use lin_canny_robot::{FileError, FileErrorKind, LinkBody, LoadOptions, MotionKind, Packages, Robot};
+use lin_canny_robot::{
+    FileError, FileErrorKind, LinkBody, LoadOptions, MotionKind, Packages, Robot, cover_links, urdf_of_balls,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -91,12 +94,6 @@ fn unknown_elements_are_errors_in_every_place() {
             let reason = named(place, &format!("<{name} name=\"n\"/>"), &[name, "unknown element"]);
             assert!(matches!(reason, FileErrorKind::UnknownPart { what: "element", .. }));
         }
-        let (text, line) = with(place, "stray>");
-        let error = parse(&text).expect_err(place);
-        assert!(
-            error.to_string().contains("stray") && error.line < Some(line),
-            "{error}"
-        );
     }
     named("link", "<colision/>", &["did you mean \"collision\"?"]);
     named("geometry", "<shpere radius=\"1\"/>", &["did you mean \"sphere\"?"]);
@@ -348,13 +345,118 @@ fn files_of_every_encoding_and_line_end_are_read() {
     assert!(parse(&marked(&declared("utf-16"))).is_ok());
 }
 
+/// What tinyxml takes and XML does not changes nothing, and is listed with its line.
+#[test]
+fn what_tinyxml_takes_is_listed() {
+    let plain = content(&parse(&with("robot", "").0).expect("a robot"));
+    let is_listed = |text: &str, line: u32, words: &[&str]| {
+        let robot = parse(text).unwrap_or_else(|e| panic!("{e}: {text}"));
+        assert_eq!(content(&robot), plain);
+        let skipped: Vec<String> = robot.skipped().iter().map(ToString::to_string).collect();
+        assert_eq!(skipped.len(), words.len(), "{skipped:?}");
+        for (skipped, words) in skipped.iter().zip(words) {
+            assert!(
+                skipped.starts_with(&format!("r.urdf:{line}: ")) && skipped.contains(words),
+                "{skipped}"
+            );
+        }
+    };
+    for place in PLACES {
+        for (element, words) in [
+            ("<!-- ---- é ' > ---->", &["\"--\" in a comment"][..]),
+            ("<!-- a -\n<b c=\"--\"> --->", &["\"--\" in a comment"]),
+            ("<!----><!-- --x --><!-- - -->", &["\"--\" in a comment"]),
+            ("stray>", &["text between elements (\"stray>\")"]),
+            ("<![CDATA[ <!-- -- ]]>", &["text between elements (\"<!-- --\")"]),
+            (
+                "<y:link name='a' z:b='\"'/><y:box/>",
+                &["undeclared prefix: \"y\"", "undeclared prefix: \"z\""],
+            ),
+            ("<x:l xmlns:y='u' y:a='1'/><x:l q='y:a'>y:a</x:l>", &[]),
+        ] {
+            let (text, line) = with(place, element);
+            is_listed(&text, line, words);
+        }
+        let (text, line) = with(place, "<x:l xmlns:y='u'/><!-- -- \n--><y:l/>\n<colision/>");
+        let error = parse(&text).expect_err(place);
+        assert_eq!(error.line, Some(line + 2), "{error}");
+    }
+    let (text, _) = with("robot", "");
+    let header = "<?xml version=\"1.0\" encoding=\"utf-8\"?>";
+    let late = ["XML declaration behind other text"];
+    is_listed(&format!("\n \n{header}\n{text}"), 3, &late);
+    is_listed(&format!(" {header}{text}"), 1, &late);
+    is_listed(&format!("{header}\n{header}{text}"), 2, &late);
+    is_listed(
+        &format!("<!-- c -->\n{header}<!DOCTYPE robot [<!-- it's > -->]>{text}"),
+        2,
+        &late,
+    );
+    let around = "text outside of the root element";
+    is_listed(&format!("{header}\n\n é <![CDATA[<]]>{text}"), 3, &[around, around]);
+    is_listed(&format!("{text}<!-- c --> \n"), 1, &[]);
+    let end = text.lines().count() as u32;
+    is_listed(&format!("{text}\n\nend"), end + 2, &[around]);
+}
+
+/// Balls replace collision elements, and all else of the file stays.
+#[test]
+fn a_file_that_tinyxml_takes_is_written_with_balls() {
+    let around = [
+        "<robot name=\"r\">\n<!-- -- --><y:x/><link name=\"a\">",
+        "</link>\n<y:z/></robot>",
+    ];
+    let collision = "<collision><geometry><sphere radius=\"1\"/></geometry></collision>";
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("tinyxml.urdf");
+    let text = format!("\n<?xml version=\"1.0\"?>\n{}", around.join(collision));
+    std::fs::write(&file, text).expect("a file");
+    let robot = Robot::load(&file, &Packages::default()).expect("a robot");
+    let covers = cover_links(&robot, CoverGoal::Balls(1), 1).expect("balls");
+    let written = urdf_of_balls(&file, &covers).expect("a text");
+    let body = written
+        .strip_prefix("<?xml version=\"1.0\"?>\n")
+        .expect("a declaration");
+    let body = body
+        .strip_prefix(around[0])
+        .and_then(|body| body.strip_suffix(around[1]));
+    assert!(
+        body.is_some_and(|body| body.contains("sphere") && body.starts_with("<collision>")),
+        "{written}"
+    );
+    assert_eq!(parse(&written).expect("a robot").links().len(), 1);
+}
+
+#[test]
+fn limits_that_look_like_degrees_are_listed() {
+    let with = |limit: &str| parse(&with("robot", "").0.replace("lower=\"-1\" upper=\"1\"", limit)).expect(limit);
+    let robot = with("lower=\"-90\" upper=\"90\"");
+    assert_eq!(robot.coordinates()[0].limits, [-90.0, 90.0]);
+    let [skipped] = robot.skipped() else {
+        panic!("{:?}", robot.skipped())
+    };
+    assert!(
+        skipped
+            .to_string()
+            .contains("joint \"j\" limit: limits -90.0 and 90.0 look like degrees"),
+        "{skipped}"
+    );
+    for limit in ["lower=\"-50\" upper=\"50\"", "lower=\"-1e9\" upper=\"1e9\""] {
+        assert!(with(limit).skipped().is_empty());
+    }
+}
+
 #[test]
 fn files_that_are_no_good_xml_get_a_message_that_helps() {
     let body = "<robot name=\"r\"><link name=\"a\"/></robot>";
     for (text, line, words) in [
-        (format!("\n<?xml version=\"1.0\"?>\n{body}"), 2, "start of the file"),
-        (format!(" <?xml version=\"1.0\"?>\n{body}"), 1, "start of the file"),
-        (body.replace("<link", "\n<drake:x/><link"), 2, "xmlns:drake"),
+        (body.replace("name", "name=\"a\" name"), 1, "'name'"),
+        (body.replace("name", "y:n=\"a\" y:n=\"b\" name"), 1, "'n'"),
+        (
+            body.replace("<link", "<!-- a -- b\n---><y:x/>\n<link a=\"1\" a=\"2\""),
+            3,
+            "'a'",
+        ),
+        (body.replace("<link", "<!-- a -- b\n-- ><y:x/>\n<link"), 3, "'-->'"),
         (body.replace("<link", "\n<xacro:x/><link"), 2, "run xacro"),
         (body.replace("\"a\"", "\"a & b\""), 1, "&amp;"),
         ("<robot name=\"r\">\n\n<link name=\"a\"/>\n".into(), 3, "never closed"),

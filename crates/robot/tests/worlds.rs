@@ -296,22 +296,39 @@ fn wrong_worlds_are_named() {
         Checker::of_robots(setup.clone()).map_err(|error| error.to_string())
     };
     for (more, expected) in [
-        (r#""paddings": [["y", 1]]"#, "body \"y\" does not exist"),
+        (
+            r#""paddings": [["y", 1]]"#,
+            "cell.json: paddings[0]: body \"y\" does not exist",
+        ),
         (r#""paddings": [[["x", 2], 1]]"#, "body \"x 2\" does not exist"),
-        (r#""paddings": [["x", -1]]"#, "padding is out of range: -1.0"),
+        (
+            r#""paddings": [["x", 1], ["x", -1]]"#,
+            "cell.json: paddings[1]: padding is out of range: -1.0",
+        ),
         (
             r#""margins": [["x", "hand", -1]]"#,
-            "margin of a pair is out of range: -1.0",
+            "cell.json: margins[0]: margin of a pair is out of range: -1.0",
         ),
-        (r#""margin": -1"#, "margin is out of range: -1.0"),
-        (r#""exclude": [["x", "y"]]"#, "body \"y\" does not exist"),
+        (
+            r#""margins": [["x", "hnad", 1]]"#,
+            "margins[0]: body \"hnad\" does not exist (nearest: \"hand\")",
+        ),
+        (r#""margin": -1"#, "cell.json: margin: margin is out of range: -1.0"),
+        (
+            r#""exclude": [["x", "hand"], ["x", "y"]]"#,
+            "cell.json: exclude[1]: body \"y\" does not exist",
+        ),
+        (
+            r#""exclude_exactly": [["y", "x"]]"#,
+            "cell.json: exclude_exactly[0]: body \"y\" does not exist",
+        ),
         (
             r#""exclude": [], "exclude_exactly": []"#,
             "both exclude and exclude_exactly",
         ),
         (
             r#""attached": [{"link": "arm", "body": {"name": "y", "sphere": {"radius": 1}}}]"#,
-            "body \"arm\" does not exist",
+            "cell.json: attached[0] \"y\": body \"arm\" does not exist",
         ),
         (
             r#""attached": [{"link": "hand", "body": {"name": "y"}}]"#,
@@ -331,6 +348,16 @@ fn wrong_worlds_are_named() {
         (
             r#""geometry": {"HalfSpace": {"normal": [0, 0, 0], "offset": 0}}"#,
             "normal",
+        ),
+        (r#""box": {"size": [1, 2, 3, 4]}"#, "list of 4 numbers (expected 3)"),
+        (r#""box": {"size": [1, 2]}"#, "list of 2 numbers (expected 3)"),
+        (
+            r#""sphere": {"radius": 1}, "xyzw": [1, 2, 3, 4, 5]"#,
+            "list of 5 numbers (expected 4)",
+        ),
+        (
+            r#""half_space": {"normal": [1, 2, 3, 4]}"#,
+            "list of 4 numbers (expected 3)",
         ),
     ] {
         let error = parse(&format!("{{\"bodies\": [{{\"name\": \"x\", {shape}}}]}}"))

@@ -120,7 +120,7 @@ pub(super) fn add_cell(
     let (packages, options) = robots.first()?.get().mesh_sources()?;
     let options = options.keep_invalid(keep_invalid);
     let file = CellFile::load(file.extract::<PathBuf>()?, &packages, &options).map_err(file_error)?;
-    file.add_to(cell).map_err(plan_error)
+    file.add_to(cell).map_err(file_error)
 }
 
 /// Adds obstacles.

@@ -7,6 +7,7 @@ use roxmltree::Node;
 
 use crate::error::{FileError, FileErrorKind, Place, Skipped};
 use crate::xml::Xml;
+use crate::xml_text::XmlText;
 use lin_canny_plan::nearest_name as nearest;
 
 /// Maximum depth of nested elements, those of included files counted with the file.
@@ -120,7 +121,7 @@ struct Files {
     /// The folder of the main file.
     folder: PathBuf,
     read: HashSet<PathBuf>,
-    /// Text between elements, which MuJoCo ignores.
+    /// Elements of another namespace, and what XML does not allow in included files.
     skipped: Vec<Skipped>,
 }
 
@@ -133,13 +134,12 @@ impl Files {
         }
         let mut children = Vec::new();
         for child in node.children() {
-            let text = child.text().filter(|_| child.is_text()).unwrap_or_default().trim();
-            if !text.is_empty() {
-                let text: String = text.chars().take(40).collect();
-                let why = format!("text between elements ({text:?})");
-                self.skipped.push(place.error(FileErrorKind::Unsupported(why)).into());
-            }
-            if child.tag_name().name() == "include" {
+            xml.skip_text(&node, &child);
+            if xml.is_foreign(&child) {
+                let what = format!("element {} of another namespace", child.tag_name().name());
+                self.skipped
+                    .push(xml.error(&child, FileErrorKind::Unsupported(what)).into());
+            } else if child.tag_name().name() == "include" {
                 children.extend(self.included(xml, child, depth)?);
             } else if child.is_element() {
                 children.push(self.element(xml, child, depth + 1)?);
@@ -171,8 +171,10 @@ impl Files {
             let why = format!("file is included twice: {name:?} (expected once)");
             return Err(xml.error(&node, FileErrorKind::Malformed(why)));
         }
-        let text = FileError::read(&path)?;
+        let text = XmlText::new(&FileError::read(&path)?);
         let xml = Xml::parse(&path, &text)?;
-        Ok(self.element(&xml, xml.root(), depth + 1)?.children)
+        let children = self.element(&xml, xml.root(), depth + 1)?.children;
+        self.skipped.extend(xml.skipped());
+        Ok(children)
     }
 }

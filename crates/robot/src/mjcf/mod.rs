@@ -22,7 +22,6 @@ use crate::error::{FileError, FileErrorKind};
 use crate::link_tree::LinkTree;
 use crate::options::LoadOptions;
 use crate::robot::Robot;
-use crate::turn::to_roll_pitch_yaw;
 use crate::xml::Xml;
 
 /// Sections that are read.
@@ -97,17 +96,15 @@ pub(crate) fn read(xml: &Xml, options: &LoadOptions) -> Result<Robot, FileError>
     let tree = LinkTree::new(&names, &model.joints, options, &root.place)?;
     let (links, joints) = (model.links.clone(), std::mem::take(&mut model.joints));
     let mut robot = tree.robot(root.get("model").unwrap_or("MuJoCo Model"), links, joints);
-    let drives: HashMap<&str, _> = robot
+    let drives: HashMap<String, _> = robot
         .model
         .joints
         .iter()
-        .map(|joint| (joint.name.as_str(), joint.drive))
+        .map(|joint| (joint.name.clone(), joint.drive))
         .collect();
     for (name, pose) in &model.free {
-        let drive = drives.get(name.as_str()).copied().flatten();
-        if let Some(first) = drive.map(|drive| drive.coordinate) {
-            robot.start[first..first + 3].copy_from_slice(pose.translation.vector.as_slice());
-            robot.start[first + 3..first + 6].copy_from_slice(&to_roll_pitch_yaw(&pose.rotation));
+        if let Some(drive) = drives.get(name).copied().flatten() {
+            robot.draw(drive.coordinate, pose);
         }
     }
     robot.skipped = skipped;

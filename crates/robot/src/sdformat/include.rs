@@ -7,8 +7,9 @@ use roxmltree::Node;
 use super::frames::WORLD;
 use super::model::{Description, Override, Owner};
 use super::values::SdfFile;
-use crate::error::{FileError, FileErrorKind};
+use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::xml::{Xml, attribute};
+use crate::xml_text::XmlText;
 
 /// The most files that are included in all, and the most bytes of them. A file counts as often as
 /// it is included.
@@ -33,7 +34,7 @@ impl Description<'_> {
         let pose = one("pose")?.map(|_| file.pose(&parts, [owner.scope, owner.frame]));
         let placement = match one("placement_frame")? {
             Some(node) => {
-                file.check_version(&node, "placement_frame", [1, 8])?;
+                file.check_version(&node, "placement_frame", [1, 8]);
                 Some((xml.place(&node), file.text(node, &[])?)).filter(|(_, name)| !name.is_empty())
             }
             None => None,
@@ -78,7 +79,8 @@ impl Description<'_> {
 
     /// Reads the one model of a file.
     fn load(&mut self, path: &Path, text: &str, owner: &Owner, instead: Override) -> Result<Option<usize>, FileError> {
-        let xml = Xml::parse(path, text)?;
+        let text = XmlText::new(text);
+        let xml = Xml::parse(path, &text)?;
         let file = SdfFile::new(&xml)?;
         let root = xml.root();
         let parts = xml.below(root, &["model", "world", "actor", "light"], &[])?;
@@ -98,15 +100,19 @@ impl Description<'_> {
                 _ => {}
             }
         }
-        match model {
-            Some(model) => self.model(&file, model, owner, instead).map(Some),
-            None if parts.is_empty() => Err(xml.error(&root, FileErrorKind::Missing("element model".into()))),
-            None => Ok(None),
-        }
+        let model = match model {
+            Some(model) => Some(self.model(&file, model, owner, instead)?),
+            None if parts.is_empty() => {
+                return Err(xml.error(&root, FileErrorKind::Missing("element model".into())));
+            }
+            None => None,
+        };
+        self.skipped.extend(xml.skipped());
+        Ok(model)
     }
 
     /// Returns the file that a `uri` names, or that the configuration of its folder names.
-    fn included_file(&self, file: &SdfFile, node: Node) -> Result<PathBuf, FileError> {
+    fn included_file(&mut self, file: &SdfFile, node: Node) -> Result<PathBuf, FileError> {
         let uri = file.word(node)?;
         let wrong = |reason| file.xml.error(&node, reason);
         let schemes = ["model://", "package://", "file://"];
@@ -121,16 +127,21 @@ impl Description<'_> {
             return Ok(path);
         }
         let config = find(&format!("{}/{CONFIG}", uri.trim_end_matches('/')));
-        let missing = || FileErrorKind::Missing(format!("included model {uri:?}, a file or a folder with {CONFIG},"));
+        let missing = || {
+            FileErrorKind::Missing(format!(
+                "included model {uri:?}, a file or a folder with {CONFIG} in the packages or above this file,"
+            ))
+        };
         let config = config.ok_or_else(|| wrong(missing()))?;
-        newest(&config)
+        newest(&config, &mut self.skipped)
     }
 }
 
 /// Returns the file of the highest version that the configuration of a model names.
-fn newest(config: &Path) -> Result<PathBuf, FileError> {
-    let text = FileError::read(config)?;
+fn newest(config: &Path, skipped: &mut Vec<Skipped>) -> Result<PathBuf, FileError> {
+    let text = XmlText::new(&FileError::read(config)?);
     let xml = Xml::parse(config, &text)?;
+    skipped.extend(xml.skipped());
     let root = xml.root();
     let mut newest = None;
     for node in root.children().filter(|node| node.has_tag_name("sdf")) {

@@ -30,7 +30,6 @@ use crate::link_tree::{FileJoint, Follows, LinkTree};
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::robot::{Robot, adjacent_by_joints};
-use crate::turn::to_roll_pitch_yaw;
 use crate::xml::{EXTENT_MAX, Xml, attribute, check_excluded};
 use lin_canny_plan::{LinkBody, MotionKind, RobotLink};
 
@@ -347,6 +346,7 @@ impl<'a> Builder<'a> {
         robot.model.excluded = excluded(&robot, &links).map_err(|reason| root.error(reason))?;
         robot.skipped = self.description.skipped;
         let drawn: HashMap<&str, usize> = links.iter().map(|link| (link.name.as_str(), link.frame)).collect();
+        let mut drawn_at = Vec::new();
         for joint in robot
             .model
             .joints
@@ -355,14 +355,11 @@ impl<'a> Builder<'a> {
         {
             let frame = drawn.get(robot.model.links[joint.child].name.as_str());
             if let (Some(drive), Some(&frame)) = (joint.drive, frame) {
-                let pose = &self.poses.global[frame];
-                let position: [f64; 3] = pose.translation.vector.into();
-                let values = position.into_iter().chain(to_roll_pitch_yaw(&pose.rotation));
-                robot.start[drive.coordinate..]
-                    .iter_mut()
-                    .zip(values)
-                    .for_each(|(q, value)| *q = value);
+                drawn_at.push((drive.coordinate, self.poses.global[frame]));
             }
+        }
+        for (first, pose) in drawn_at {
+            robot.draw(first, &pose);
         }
         Ok(robot)
     }

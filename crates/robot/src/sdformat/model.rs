@@ -528,7 +528,7 @@ impl<'o> Description<'o> {
             return Err(xml.error(&node, FileErrorKind::Unsupported(what)));
         }
         if let Some(node) = of_model {
-            file.check_version(&node, "use_parent_model_frame", [1, 5])?;
+            file.check_version(&node, "use_parent_model_frame", [1, 5]);
         }
         let is_of_model = file.flag(&parts, "use_parent_model_frame")?.unwrap_or(false);
         if is_of_model || file.version < [1, 5] {
@@ -596,7 +596,7 @@ fn limits(file: &SdfFile, limit: Node) -> Result<[f64; 2], FileError> {
 
 fn mimicked(file: &SdfFile, mimic: Node, owner: &Owner) -> Result<Mimic, FileError> {
     let xml = file.xml;
-    file.check_version(&mimic, "mimic", [1, 11])?;
+    file.check_version(&mimic, "mimic", [1, 11]);
     xml.check_attributes(mimic, &["joint", "axis"], false)?;
     let parts = xml.below(mimic, &["multiplier", "offset", "reference"], &[])?;
     if attribute(&mimic, "axis").is_some_and(|axis| axis != "axis") {

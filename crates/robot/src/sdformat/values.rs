@@ -36,13 +36,17 @@ impl<'a> SdfFile<'a> {
         Ok(Self { xml, version })
     }
 
-    /// Returns an error if the version of the file has no such element or attribute.
-    pub(super) fn check_version(&self, node: &Node, field: &'static str, since: [u32; 2]) -> Result<(), FileError> {
-        let version = self.version;
-        if version >= since {
-            return Ok(());
+    /// Lists an element or attribute that the version of the file does not have. It is read as in a
+    /// later version, as libsdformat does, which converts files to its own version first.
+    pub(super) fn check_version(&self, node: &Node, field: &'static str, since: [u32; 2]) {
+        if self.version < since {
+            let ([a, b], [c, d]) = (self.version, since);
+            let what = format!("{field} in a file of version {a}.{b} is read as in version {c}.{d}");
+            let attribute = node.attribute_node(field);
+            let position = attribute.map_or(node.range().start, |attribute| attribute.range().start);
+            let error = self.xml.error(node, FileErrorKind::Malformed(what));
+            self.xml.skip(position, error);
         }
-        Err(self.xml.error(node, FileErrorKind::Version { field, version, since }))
     }
 
     /// Returns the text of an element without elements.
@@ -142,7 +146,7 @@ impl<'a> SdfFile<'a> {
         let Some(text) = attribute(node, field) else {
             return Ok(false);
         };
-        self.check_version(node, field, since)?;
+        self.check_version(node, field, since);
         self.truth(node, field, text.trim())
     }
 
@@ -157,7 +161,7 @@ impl<'a> SdfFile<'a> {
         let Some(name) = attribute(node, field).filter(|name| !name.is_empty()) else {
             return Ok(None);
         };
-        self.check_version(node, field, since)?;
+        self.check_version(node, field, since);
         Ok(Some(Target::Named(Reference {
             place: self.xml.place(node),
             scope,
@@ -185,7 +189,7 @@ impl<'a> SdfFile<'a> {
         let is_in_degrees = self.flag_attribute(&node, "degrees", [1, 9])?;
         let format = attribute(&node, "rotation_format");
         if format.is_some() {
-            self.check_version(&node, "rotation_format", [1, 9])?;
+            self.check_version(&node, "rotation_format", [1, 9]);
         }
         let is_quaternion = match format.unwrap_or("euler_rpy") {
             "euler_rpy" => false,

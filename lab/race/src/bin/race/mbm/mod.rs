@@ -146,7 +146,8 @@ impl Bench {
         let mut cell = self.cell.clone();
         let file = CellFile::parse(&problem.cell, "cell.json", &self.packages, &self.options);
         let text = |error: PlanError| error.to_string();
-        file.map_err(|e| e.to_string())?.add_to(&mut cell).map_err(text)?;
+        let file = file.map_err(|e| e.to_string())?;
+        file.add_to(&mut cell).map_err(|e| e.to_string())?;
         let mut checker = Checker::new(self.space.clone(), cell).map_err(text)?;
         checker.set_pair_boxes(&self.pairs).map_err(text)?;
         Ok(checker)
