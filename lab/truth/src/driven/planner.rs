@@ -129,10 +129,15 @@ struct Play {
     mix: Mix,
 }
 
-/// Returns a chain of two to four joints in any directions, each with a link.
+/// Returns a chain of two to four joints in any directions, each with a link, and maybe a body on the base.
 fn chain(rng: &mut Rng) -> (JointTree, Cell) {
     let count = 2 + rng.below(3);
-    let mut cell = Cell::new();
+    let (mut cell, mut links) = (Cell::new(), Vec::new());
+    // Its pairs with obstacles are at rest.
+    if rng.chance(0.2) {
+        cell.robot_body("base", geometry(rng, 0.15));
+        links.push(0);
+    }
     let mut joints = Vec::new();
     for k in 0..count {
         let is_slide = rng.chance(0.25);
@@ -158,7 +163,7 @@ fn chain(rng: &mut Rng) -> (JointTree, Cell) {
             .expect("names");
     }
     let (limits, radii) = (vec![[-3.0, 3.0]; count], vec![0.5; count + 1]);
-    let links = (1..=count).collect();
+    links.extend(1..=count);
     let space = JointTree::new(Isometry3::identity(), joints, limits, links, radii).expect("a chain");
     (space, cell)
 }
