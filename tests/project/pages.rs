@@ -44,7 +44,7 @@ const NOT_RUN: &[(&str, usize, &str)] = &[
     (
         "crates/rerun/README.md",
         1,
-        "needs a workspace of its own and the viewer; `.ci/rerun` runs the program",
+        "needs a workspace of its own and the viewer; `.ci/rerun` runs its tests",
     ),
     (
         "crates/robot/README.md",
