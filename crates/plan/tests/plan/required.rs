@@ -284,7 +284,7 @@ fn a_body_has_no_pair_with_itself() {
     assert_eq!(cell.exclude(hand, hand), itself);
     assert_eq!(cell.include("hand", "hand"), itself);
     assert_eq!(cell.set_pair_margin("hand", hand, Some(0.1)), itself);
-    let text = itself.expect_err("an error").to_string();
+    let text = PlanError::Itself("hand".into()).to_string();
     assert_eq!(text, "\"hand\" has no pair with itself (expected two bodies)");
     assert_eq!(cell.excluded().len(), 0);
     // Of a group, all pairs are excluded.

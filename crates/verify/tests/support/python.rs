@@ -96,7 +96,7 @@ pub(crate) fn answer(receipt: &str, other: Option<&str>) -> (i32, String) {
 pub(crate) fn printed(texts: &[&str]) -> Option<String> {
     let script = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../verify/verify.py"));
     let mut command = Command::new("python3");
-    command.arg("-B").arg(&script);
+    command.arg("-B").arg(script);
     let file = |(k, text): (usize, &&str)| {
         let path = std::env::temp_dir().join(format!("lin-canny-verify-{}-{k}-printed", std::process::id()));
         std::fs::write(&path, text).unwrap();
