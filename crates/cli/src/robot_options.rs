@@ -171,15 +171,15 @@ impl RobotOptions {
     }
 }
 
-/// Warns of what files name and the cell does not hold, once for each element and reason.
+/// Warns of what files name and the cell does not hold, once for each file, element and reason.
 pub fn warn_of_skipped(skipped: &[Skipped]) {
-    let mut counts: HashMap<(&str, &str), usize> = HashMap::new();
+    let mut counts: HashMap<(&Path, &str, &str), usize> = HashMap::new();
     for one in skipped {
-        *counts.entry((&one.element, &one.reason)).or_default() += 1;
+        *counts.entry((&one.file, &one.element, &one.reason)).or_default() += 1;
     }
     for one in skipped {
         // The first of each takes the count away.
-        match counts.remove(&(one.element.as_str(), one.reason.as_str())) {
+        match counts.remove(&(one.file.as_path(), one.element.as_str(), one.reason.as_str())) {
             Some(1) => warn!("warning: {one}"),
             Some(count) => warn!("warning: {one} (and {} more)", count - 1),
             None => {}
