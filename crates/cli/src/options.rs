@@ -78,7 +78,7 @@ impl RestOptions {
                 FileErrorKind::Missing(what) if what.starts_with("column") || what.starts_with("joint") => {
                     "--rest and --state"
                 }
-                FileErrorKind::Range { .. } => "--limit-slack and --turns",
+                FileErrorKind::Range { .. } => "--limit-slack, --turns and --floating",
                 _ => return ToolError::File(error),
             };
             let error = Box::new(error);
@@ -122,7 +122,7 @@ impl RestOptions {
                     let field = format!("{coordinate} (limits {low} and {high})");
                     let reason = FileErrorKind::Range { field, value: *value };
                     return Err(wrong(format!(
-                        "state {name:?}: {reason}; see --limit-slack and --turns"
+                        "state {name:?}: {reason}; see --limit-slack, --turns and --floating"
                     )));
                 }
                 found[k] = Some(*value);

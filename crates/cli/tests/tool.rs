@@ -43,7 +43,7 @@ fn bodies_float_as_far_as_the_option_says() {
     let names = "arm::shoulder,arm::elbow,arm::left_slide,part::block/x,part::block/y,part::block/z,part::block/roll,part::block/pitch,part::block/yaw";
     let row = scratch("far.csv", &format!("{names}\n0,0,0,20,0,0,0,0,0\n"));
     let (code, text) = run_of("bench.sdf", "clearance", &["--joints", &row]);
-    assert!(code != 0 && text.contains("limits -10.0 and 10.0"), "{text}");
+    assert!(code != 0 && text.contains("limits -10 and 10"), "{text}");
     let (code, text) = run_of("bench.sdf", "clearance", &["--joints", &row, "--floating", "20"]);
     assert_eq!(code, 0, "{text}");
 }
@@ -354,7 +354,7 @@ fn what_is_wrong_is_named() {
         "clearance",
         &["--joints", "carry.csv", "--cell", &file],
         3,
-        &["cell.json:2", "length"],
+        &["cell.json:2", "expected 3"],
     );
     let file = scratch(
         "size.json",
@@ -754,7 +754,7 @@ fn joints_without_a_column_have_the_values_of_a_state() {
                 "states.srdf: ambiguous state: \"home\" (expected a group, such as \"arm/home\")",
             ),
             ("wild", "state \"wild\": lift (limits "),
-            ("wild", "9.0; see --limit-slack and --turns"),
+            ("wild", "9.0; see --limit-slack, --turns and --floating"),
         ] {
             let mut given = vec![arm, hand];
             given.insert(at, ["--state", name]);
@@ -771,7 +771,7 @@ fn limits_are_widened_by_options() {
     let robot = swing(TURN);
     let (code, text) = run_of(&robot, "clearance", &["--joints", &rows]);
     assert!(
-        code == 3 && text.contains("-1.5000001; see --limit-slack and --turns"),
+        code == 3 && text.contains("-1.5000001; see --limit-slack, --turns and --floating"),
         "{text}"
     );
     let out = scratch("over_out.csv", "");
