@@ -183,6 +183,18 @@ def test_what_is_skipped_is_listed(tmp_path):
     assert lc.Checker(robot).skipped == found == pickle.loads(pickle.dumps(robot)).skipped
 
 
+def test_bodies_float_as_far_as_the_argument_says(tmp_path):
+    path = tmp_path / "r.xml"
+    body = '<body pos="0 0 12"><freejoint/><geom size=".1"/></body>'
+    path.write_text(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
+    for floating, limits in ((10.0, [[-10, 10], [-10, 10], [-10, 12]]), (20.0, [[-20, 20]] * 3)):
+        robot = lc.Robot.load(path, floating=floating)
+        assert robot.limits[:3].tolist() == limits
+        assert np.array_equal(pickle.loads(pickle.dumps(robot)).limits, robot.limits)
+    with pytest.raises(lc.LinCannyError, match="floating is out of range: -1"):
+        lc.Robot.load(path, floating=-1.0)
+
+
 def test_an_srdf_enables_adjacent_links(robot, tmp_path):
     names = '<enable_collisions link1="base" link2="bar"/>'
     (tmp_path / "on.srdf").write_text(f'<robot name="turner">{names}</robot>')
