@@ -54,7 +54,7 @@ def prove(truth, why):
 # The grammar: a part of JSON, without blanks and escapes, and one written form for each number.
 
 NUMBER = re.compile(r"(-?)0x([01])(?:\.([0-9a-f]{0,12}[1-9a-f]))?p(-?[1-9][0-9]{0,3}|0)\Z")
-CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\\]")
+CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\\\u2028\u2029\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 HASH = re.compile(r"[0-9a-f]{64}\Z")
 
 

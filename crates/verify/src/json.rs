@@ -75,10 +75,19 @@ fn take(rest: &mut &str, c: char) -> Result<(), Stop> {
     Ok(())
 }
 
+/// Whether a character ends a line, changes how the others are shown, or starts an escape.
+fn is_refused(c: char) -> bool {
+    match c {
+        '\\' | '\u{2028}' | '\u{2029}' | '\u{200e}' | '\u{200f}' => true,
+        '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => true,
+        _ => c.is_control(),
+    }
+}
+
 fn text<'a>(rest: &mut &'a str) -> Result<&'a str, Stop> {
     take(rest, '"')?;
     let (text, after) = rest.split_once('"').ok_or(Stop::Bad("a text without end".into()))?;
-    if text.contains('\\') || text.chars().any(char::is_control) {
+    if text.chars().any(is_refused) {
         return Stop::bad("a text with an escape or a control character");
     }
     *rest = after;

@@ -462,8 +462,13 @@ fn pose(at: &Isometry3<f64>) -> String {
     hexes(&[t.x, t.y, t.z, q.x, q.y, q.z, q.w])
 }
 
-/// Returns a text without the characters that a receipt does not hold.
+/// Returns a text without the characters that a receipt does not hold: those that end a line or change how it
+/// is shown.
 pub(super) fn plain(text: &str) -> String {
-    let is_bad = |c: char| c == '"' || c == '\\' || c.is_control();
+    let is_bad = |c: char| match c {
+        '"' | '\\' | '\u{2028}' | '\u{2029}' | '\u{200e}' | '\u{200f}' => true,
+        '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => true,
+        _ => c.is_control(),
+    };
     text.chars().map(|c| if is_bad(c) { '_' } else { c }).collect()
 }
