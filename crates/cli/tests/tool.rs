@@ -1244,10 +1244,10 @@ fn a_blocked_motion_without_a_receipt_is_blocked() {
         <joint name='lift' type='prismatic'><parent link='rail'/><child link='part'/><axis xyz='0 0 1'/>
         <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>",
     );
-    // A half-space has no receipt.
+    // An ellipsoid has no receipt.
     let cell = scratch(
         "floor.json",
-        r#"{"bodies": [{"name": "floor", "half_space": {"normal": [0, 0, 1], "offset": -0.5}}]}"#,
+        r#"{"bodies": [{"name": "floor", "ellipsoid": {"radii": [1, 1, 0.5]}, "xyz": [0, 0, -1]}]}"#,
     );
     let [down, above] =
         [("down.csv", -0.8), ("above.csv", 0.5)].map(|(name, z)| scratch(name, &format!("lift\n0\n{z}\n")));

@@ -92,6 +92,9 @@ impl Receipt {
         motion: &JointMotion,
         found: &Certified,
     ) -> Result<Self, ReceiptError> {
+        if motion.tube != Tube::None {
+            return Err(ReceiptError::Tube);
+        }
         let (until, blocked, leaving) = match &found.verdict {
             Verdict::Free { start_contacts, .. } => (1.0, None, start_contacts),
             Verdict::Blocked { piece, .. } if motion.pieces() > 1 => {
