@@ -278,14 +278,15 @@ fn a_blocked_verdict_names_the_contacts_at_the_start() {
 fn a_body_has_no_pair_with_itself() {
     let mut cell = checker().cell().clone();
     let hand = CellBody::Robot(0);
-    let itself = Err(PlanError::Itself("hand".into()));
+    let error = PlanError::Itself("hand".into());
+    let text = "\"hand\" has no pair with itself (expected two bodies)";
+    assert_eq!(error.to_string(), text);
+    let itself = Err(error);
     assert_eq!(cell.exclude("hand", "hand"), itself);
     assert_eq!(cell.exclude(hand, "hand"), itself);
     assert_eq!(cell.exclude(hand, hand), itself);
     assert_eq!(cell.include("hand", "hand"), itself);
     assert_eq!(cell.set_pair_margin("hand", hand, Some(0.1)), itself);
-    let text = itself.expect_err("an error").to_string();
-    assert_eq!(text, "\"hand\" has no pair with itself (expected two bodies)");
     assert_eq!(cell.excluded().len(), 0);
     // Of a group, all pairs are excluded.
     let group = ["hand".to_owned(), "post".to_owned()];
