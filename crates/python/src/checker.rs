@@ -31,7 +31,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 
-use crate::array::{Argument, contiguous, shape_text};
+use crate::array::{Argument, contiguous, refuse_mask, shape_text};
 use crate::errors::{file_error, plan_error, refused};
 use crate::robot::Robot;
 use crate::watch::Watch;
@@ -491,6 +491,7 @@ fn configuration(obj: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     if let Ok(array) = obj.cast::<PyArray1<f64>>()
         && let Ok(numbers) = array.to_vec()
     {
+        refuse_mask(obj, CONFIGURATION)?;
         return Ok(numbers);
     }
     let array = contiguous::<f64>(obj, CONFIGURATION)?;

@@ -10,7 +10,7 @@ use lin_canny::impact::ImpactError;
 pub enum ReceiptError {
     /// Returned if a body has no form in a receipt.
     #[error(
-        "body {name:?} has no receipt: it is a {kind} (expected a polyhedron, cylinder, cone, compound, cloud, mesh or half-space)"
+        "body {name:?} has no receipt: it is a {kind} (an ellipsoid, a surface, or a half-space that moves)"
     )]
     Body {
         /// Name of the body.

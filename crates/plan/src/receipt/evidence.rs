@@ -18,7 +18,7 @@ use super::scene::{Body, Scene};
 use super::stated::Disc;
 use super::taylor::{Moving, Step, TERMS, constant, cross, dot, heights, least, place, pose};
 use crate::extremes::Extremes;
-use crate::tolerance::RECEIPT;
+use crate::tolerance::{RECEIPT, TINY};
 use lin_canny::RelativePose;
 use lin_canny::impact::Certificate;
 use lin_canny::separation::Proof;
@@ -323,9 +323,6 @@ fn half_heights(disc: &Disc, m: &Moving) -> [f64; TERMS] {
     let s = net.iter().copied().fold(TINY, f64::larger).sqrt();
     net.map(|c| disc.radius * (c + s * s) / (2.0 * s))
 }
-
-/// The least square of a length in [`half_heights`], so that the division is by more than zero.
-const TINY: f64 = 1e-30;
 
 /// Returns the proof of a certificate from a later time on.
 fn proof_from(certificate: &Certificate, from: f64) -> Proof {
