@@ -18,7 +18,7 @@ pub(crate) fn refused(file: &Path, reason: impl ToString) -> ToolError {
     }
 }
 
-/// Writes a receipt as [`write`] does. Of a motion that is not free, a receipt that does not exist is a
+/// Writes a receipt as [`write()`] does. Of a motion that is not free, a receipt that does not exist is a
 /// warning and `None`: the run ends with its verdict.
 pub(crate) fn write_unless_blocked(
     file: &Path,
