@@ -305,6 +305,11 @@ fn wrong_worlds_are_named() {
         ),
         (r#""margin": -1"#, "margin is out of range: -1.0"),
         (r#""exclude": [["x", "y"]]"#, "body \"y\" does not exist"),
+        (r#""exclude": [["hand", "hand"]]"#, "\"hand\" has no pair with itself"),
+        (
+            r#""margins": [["hand", "hand", 1]]"#,
+            "\"hand\" has no pair with itself",
+        ),
         (
             r#""exclude": [], "exclude_exactly": []"#,
             "both exclude and exclude_exactly",
