@@ -246,6 +246,13 @@ fn text_binary_and_compressed_pcd_are_the_same_points() {
             let error = PointFile::parse_with(&bytes, "a.pcd", Invalid::Refuse).expect_err("a point without a return");
             assert!(matches!(error.fault, FormatFault::Invalid { index: 3, .. }), "{error}");
             assert_eq!(error.line.is_some(), k == 0);
+            // All points keep their rows.
+            let kept = PointFile::parse_with(&bytes, "a.pcd", Invalid::Keep).expect("points");
+            let all = kept.points.to_f64();
+            assert_eq!((all.len(), kept.dropped), (expected.len() + 1, 0));
+            assert!(all[3].iter().any(|x| !x.is_finite()));
+            let finite = all.iter().filter(|point| point.iter().all(|x| x.is_finite()));
+            assert!(finite.eq(&expected));
         }
         let bytes = pcd(PCD_HEADER, data);
         assert_eq!(read(&bytes, "a.xyz").format, PointFormat::Pcd);

@@ -470,6 +470,24 @@ fn an_srdf_of_a_larger_robot_is_read_with_its_gaps() {
     assert_eq!((both.skipped.len(), both.excluded.len()), (2, 0));
 }
 
+/// A link has no pair with itself: the element is listed, and the rest is read.
+#[test]
+fn a_pair_of_a_link_with_itself_is_skipped() {
+    for kind in ["disable_collisions", "enable_collisions"] {
+        let text = format!("<{kind} link1=\"arm\" link2=\"arm\"/>");
+        let (robot, srdf) = srdf(&text).expect("an SRDF");
+        let [skipped] = &srdf.skipped[..] else {
+            panic!("{:?}", srdf.skipped)
+        };
+        let words = format!("r.srdf:2: {kind}: link \"arm\" has no pair with itself (expected two links)");
+        assert_eq!(skipped.to_string(), words);
+        let mut setup = Cell::new();
+        setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
+        srdf.exclude_in(&mut setup, "").expect("links");
+        assert_eq!(setup.excluded().len(), 0);
+    }
+}
+
 /// A group with a link that does not exist changes no pair.
 #[test]
 fn what_is_skipped_in_groups_is_not_of_the_setup() {

@@ -323,6 +323,14 @@ fn wrong_worlds_are_named() {
             "cell.json: exclude_exactly[0]: body \"y\" does not exist",
         ),
         (
+            r#""exclude": [["hand", "hand"]]"#,
+            "exclude[0]: \"hand\" has no pair with itself",
+        ),
+        (
+            r#""margins": [["hand", "hand", 1]]"#,
+            "margins[0]: \"hand\" has no pair with itself",
+        ),
+        (
             r#""exclude": [], "exclude_exactly": []"#,
             "both exclude and exclude_exactly",
         ),
