@@ -269,11 +269,6 @@ impl Cell {
         lengths.chain([&self.margin]).any(|length| *length > 0.0)
     }
 
-    /// Returns the required distance of a pair.
-    pub(crate) fn kept_distance(&self, pair: CellPair) -> f64 {
-        self.required_distance(pair).distance
-    }
-
     /// Returns an upper bound of what a pair with an obstacle must keep without the padding of the
     /// other body, and a lower bound of what any pair must keep.
     pub(crate) fn kept_bounds(&self) -> (f64, f64) {

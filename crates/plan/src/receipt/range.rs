@@ -100,7 +100,7 @@ impl Receipt {
         for (pair, why) in all {
             let id = stated.pair(pair);
             let answer = id.and_then(|id| known.get(&id)).filter(|answer| answer.is_never());
-            let keep = id.map_or(0.0, |id| checker.cell.kept_distance(id));
+            let keep = id.map_or(0.0, |id| checker.cell.required_distance(id).distance);
             let found = answer.and_then(|_| Divided::lines(&stated.scene, pair, keep, range, cells));
             match found {
                 Some(cells) => proven.push((pair, keep, cells)),

@@ -154,7 +154,7 @@ impl Receipt {
             let mut line = None;
             if let Some((hit, pair)) = blocked {
                 let numbers = stated.numbers(pair);
-                let kept = checker.cell.kept_distance(pair);
+                let kept = checker.cell.required_distance(pair).distance;
                 let moves = numbers.iter().any(|k| stated.scene.moves(*k));
                 line = Some(match moves {
                     true => contact(&stated.scene, leg.rows(), numbers, [until, hit], 1.0, kept)?,
