@@ -30,6 +30,7 @@ const STEERS: &[&str] = &[
     "PARALLEL_SIDES",
     "PIVOT",
     "RECEIPT",
+    "TINY",
     "REPEATED",
     "REPEATED_NORMAL",
     "SEAM",
