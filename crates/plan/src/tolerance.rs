@@ -150,10 +150,6 @@ pub(crate) const HALF_TURN: f64 = 16.0 * UNIT;
 /// expects a yes.
 pub(crate) const RECEIPT: f64 = 8192.0 * UNIT;
 
-/// Least square of the sine between a plane and the axis of a disc, for which a receipt's bound of the height
-/// of the disc is close. Not a matter of soundness: any number above zero holds. Not measured.
-pub(crate) const TINY: f64 = UNIT * UNIT;
-
 /// Least weight of a vertex of a feature, and least sine between two edges, for which a receipt
 /// names features instead of a normal. Not a matter of soundness. Not measured.
 pub(crate) const INSIDE: f64 = POSE_UNIT;

@@ -18,7 +18,7 @@ use super::scene::{Body, Scene};
 use super::stated::Disc;
 use super::taylor::{Moving, Step, TERMS, constant, cross, dot, heights, least, place, pose};
 use crate::extremes::Extremes;
-use crate::tolerance::{RECEIPT, TINY};
+use crate::tolerance::RECEIPT;
 use lin_canny::RelativePose;
 use lin_canny::impact::Certificate;
 use lin_canny::separation::Proof;
@@ -320,7 +320,7 @@ fn half_heights(disc: &Disc, m: &Moving) -> [f64; TERMS] {
     let way = cross(m, &constant(&disc.axis));
     let square = dot(&way, &way);
     let net = square.net().map(|c| c + square.rest);
-    let s = net.iter().copied().fold(TINY, f64::larger).sqrt();
+    let s = net.iter().copied().fold(f64::MIN_POSITIVE, f64::larger).sqrt();
     net.map(|c| disc.radius * (c + s * s) / (2.0 * s))
 }
 

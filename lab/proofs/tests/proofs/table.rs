@@ -30,7 +30,6 @@ const STEERS: &[&str] = &[
     "PARALLEL_SIDES",
     "PIVOT",
     "RECEIPT",
-    "TINY",
     "REPEATED",
     "REPEATED_NORMAL",
     "SEAM",
