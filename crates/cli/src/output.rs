@@ -27,7 +27,7 @@ pub fn put(text: Arguments<'_>) {
     let mut out = std::io::stdout().lock();
     match out.write_fmt(text).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            complain(format_args!("lin-canny: stdout cannot be written: {error}"));
+            complain(format_args!("stdout cannot be written: {error}"));
             std::process::exit(3);
         }
         _ => {}

@@ -21,17 +21,21 @@ fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
+/// Returns the folder of the repository and its pages.
+fn repository() -> (PathBuf, Vec<PathBuf>) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let root = root.canonicalize().expect("the repository");
+    let mut all = vec![];
+    pages(&root, &mut all);
+    (root, all)
+}
+
 #[cfg(unix)]
 #[test]
 fn commands_of_pages_print_what_the_pages_show() {
     use std::os::unix::fs::symlink;
 
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../..")
-        .canonicalize()
-        .expect("the repository");
-    let mut all = vec![];
-    pages(&root, &mut all);
+    let (root, mut all) = repository();
     let is_run = |page: &PathBuf| {
         std::fs::read_to_string(page)
             .expect("a page is text")
@@ -75,12 +79,7 @@ fn spans(text: &str) -> Vec<&str> {
 
 #[test]
 fn options_of_commands_in_sentences_exist() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../..")
-        .canonicalize()
-        .expect("the repository");
-    let mut all = vec![];
-    pages(&root, &mut all);
+    let (root, mut all) = repository();
     let is_of_today = |page: &PathBuf| {
         let page = page.strip_prefix(&root).expect("a page of the repository");
         !page.starts_with("benches/record") && OF_THEIR_DAY.iter().all(|old| page != Path::new(old))

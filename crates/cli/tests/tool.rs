@@ -1203,15 +1203,15 @@ fn the_world_of_the_options_is_saved_as_a_cell() {
     }
 }
 
+/// A box on a vertical rail.
+const HOIST: &str = "<robot name='r'><link name='rail'/><link name='part'><collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link>
+    <joint name='lift' type='prismatic'><parent link='rail'/><child link='part'/><axis xyz='0 0 1'/>
+    <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+
 /// A box rests on a table: without the option its lift is blocked at the start, and its press always.
 #[test]
 fn a_part_is_lifted_from_the_table() {
-    let robot = scratch(
-        "hoist.urdf",
-        "<robot name='r'><link name='rail'/><link name='part'><collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link>
-        <joint name='lift' type='prismatic'><parent link='rail'/><child link='part'/><axis xyz='0 0 1'/>
-        <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>",
-    );
+    let robot = scratch("hoist.urdf", HOIST);
     let cell = scratch(
         "floor.json",
         r#"{"bodies": [{"name": "floor", "half_space": {"normal": [0, 0, 1], "offset": -0.1}},
@@ -1238,12 +1238,7 @@ fn a_part_is_lifted_from_the_table() {
 /// A motion that is blocked ends with 1, also if what blocks has no receipt: the tool says why.
 #[test]
 fn a_blocked_motion_without_a_receipt_is_blocked() {
-    let robot = scratch(
-        "hoist.urdf",
-        "<robot name='r'><link name='rail'/><link name='part'><collision><geometry><box size='0.2 0.2 0.2'/></geometry></collision></link>
-        <joint name='lift' type='prismatic'><parent link='rail'/><child link='part'/><axis xyz='0 0 1'/>
-        <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>",
-    );
+    let robot = scratch("hoist.urdf", HOIST);
     // An ellipsoid has no receipt.
     let cell = scratch(
         "floor.json",

@@ -231,21 +231,26 @@ fn judge(seeds: std::ops::Range<u64>) -> [usize; 6] {
             }
             (verdict, receipt) => panic!("{seed}: {verdict:?} {:?}", receipt.err()),
         };
-        let text = receipt.to_string();
-        assert_eq!(
-            python::code(&text, None),
-            0,
-            "{seed}: {}",
-            python::answer(&text, None).1
-        );
-        cases.push((text, None));
+        cases.push((accepted(seed, &receipt), None));
     }
-    // The same texts in Python.
+    are_accepted_in_python(&cases);
+    counts
+}
+
+/// Returns the text of a receipt that the checker in Rust must accept.
+fn accepted(seed: u64, receipt: &Receipt) -> String {
+    let text = receipt.to_string();
+    let (code, said) = python::answer(&text, None);
+    assert_eq!(code, 0, "{seed}: {said}");
+    text
+}
+
+/// The checker in Python accepts the same texts, and prints the same about them.
+fn are_accepted_in_python(cases: &[(String, Option<String>)]) {
     for some in cases.chunks(500) {
         let codes = python::codes(some).unwrap_or_default();
         assert!(codes.iter().all(|code| *code == 0), "{codes:?}");
     }
-    counts
 }
 
 /// Judges random ranges: pairs that never meet in small boxes of joint values. Returns how many receipts there are, and
@@ -265,22 +270,14 @@ fn judge_ranges(seeds: std::ops::Range<u64>) -> [usize; 2] {
         let answers = RangeProver::new(&options).all_pairs(&mut checker, &low, &high);
         match Receipt::range(&checker, &answers.expect("a range"), 2_000) {
             Ok(receipt) => {
-                let text = receipt.to_string();
-                assert_eq!(
-                    python::code(&text, None),
-                    0,
-                    "{seed}: {}",
-                    python::answer(&text, None).1
-                );
-                cases.push((text, None));
+                cases.push((accepted(seed, &receipt), None));
                 counts[0] += 1;
             }
             Err(ReceiptError::Nothing | ReceiptError::Plan(_)) => counts[1] += 1,
             Err(error) => panic!("{seed}: {error}"),
         }
     }
-    let codes = python::codes(&cases).unwrap_or_default();
-    assert!(codes.iter().all(|code| *code == 0), "{codes:?}");
+    are_accepted_in_python(&cases);
     counts
 }
 
@@ -300,7 +297,7 @@ fn motions_of_random_worlds_have_receipts() {
 }
 
 #[test]
-#[ignore = "10,000 worlds take minutes"]
+#[ignore = "10,000 worlds take minutes: cargo test -p lin-canny-plan --all-features --test receipts_of_worlds -- --ignored --nocapture"]
 fn many_motions_of_random_worlds_have_receipts() {
     println!(
         "free, without a pair, blocked, without points, undecided, too large: {:?}",

@@ -21,8 +21,6 @@ use lin_canny::Geometry;
 /// The reasons of pairs that are not looked at.
 pub(super) const EXCLUDED: &str = "excluded";
 const RIGID: &str = "the bodies keep their relative pose";
-/// Part of the time up to a contact that is proven if the whole is not.
-const LITTLE_LESS: f64 = 1.0 - 1.0 / 1024.0;
 const LEAVING: &str = "in contact at the start, which was accepted";
 
 /// The bodies of a cell in a receipt.
@@ -43,7 +41,7 @@ impl Receipt {
     /// was given in another form, its control points are rounded, and the receipt is about them.
     ///
     /// Along a blocked motion, all pairs have evidence until `free_until` of the
-    /// [`Verdict::Blocked`], and the pair has four vertex pairs, or two points, that prove the contact
+    /// [`Verdict::Blocked`], or until an earlier time if evidence is within rounding there, and the pair has four vertex pairs, or two points, that prove the contact
     /// at `contact_at`; if none are certain there, at most 4,096 times the bracket later. A motion that
     /// is blocked at its start has the contact alone.
     ///
@@ -106,7 +104,7 @@ impl Receipt {
                 pair,
                 start_contacts,
                 ..
-            } => (*free_until, Some((*contact_at, *pair)), start_contacts),
+            } => (*free_until, Some(([*free_until, *contact_at], *pair)), start_contacts),
             Verdict::Undecided { free_until, .. } => return Err(ReceiptError::Undecided { time: *free_until }),
         };
         let mut receipt = Err(ReceiptError::Nothing);
@@ -115,7 +113,7 @@ impl Receipt {
             stated.leave_out(leaving);
             let has_sides = stated.scene.bodies.iter().any(|body| body.around.is_some());
             // Close to a contact the evidence may be within rounding: then it ends earlier.
-            for part in [1.0, LITTLE_LESS, 0.5, 0.0] {
+            for part in [1.0, 1023.0 / 1024.0, 0.5, 0.0] {
                 receipt = Self::proven(checker, motion, found, &stated, part * until, blocked);
                 if blocked.is_none() || !matches!(receipt, Err(ReceiptError::Pair { .. })) {
                     break;
@@ -136,11 +134,11 @@ impl Receipt {
         found: &Certified,
         stated: &Stated,
         until: f64,
-        blocked: Option<(f64, CellPair)>,
+        blocked: Option<([f64; 2], CellPair)>,
     ) -> Result<Self, ReceiptError> {
         let margin = stated.margin;
         // Without a pair that moves, nothing is claimed of the time before a contact.
-        let is_at_start = stated.pairs.is_empty() || blocked.is_some_and(|(at, _)| !(until > 0.0) || at == 0.0);
+        let is_at_start = stated.pairs.is_empty() || blocked.is_some_and(|([_, at], _)| !(until > 0.0) || at == 0.0);
         if is_at_start && blocked.is_none() {
             return Err(ReceiptError::Nothing);
         }
@@ -152,12 +150,12 @@ impl Receipt {
                 evidence: Vec::new(),
             };
             let mut line = None;
-            if let Some((hit, pair)) = blocked {
+            if let Some((bracket, pair)) = blocked {
                 let numbers = stated.numbers(pair);
                 let kept = checker.cell.required_distance(pair).distance;
                 let moves = numbers.iter().any(|k| stated.scene.moves(*k));
                 line = Some(match moves {
-                    true => contact(&stated.scene, leg.rows(), numbers, [until, hit], 1.0, kept)?,
+                    true => contact(&stated.scene, leg.rows(), numbers, bracket, 1.0, kept)?,
                     // A pair at rest meets at no time in particular.
                     false => meeting(&stated.scene, leg.rows(), numbers, None, kept)?,
                 });
