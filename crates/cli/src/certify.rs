@@ -50,12 +50,13 @@ pub(crate) struct CertifyOptions {
     #[command(flatten)]
     film: film::FilmOptions,
     /// Output receipt, a proof that `verify` checks: of all segments if they are free, otherwise of
-    /// the first that is blocked. If what blocks has no receipt, the tool says why, and ends with 1
-    #[arg(long, value_name = "OUT.jsonl", conflicts_with_all = ["tube", "start_contact"])]
+    /// the first that is blocked. If what blocks has no receipt, the tool says why, and ends with 1.
+    /// Pairs of an accepted start contact are listed as not looked at
+    #[arg(long, value_name = "OUT.jsonl", conflicts_with = "tube")]
     receipt: Option<PathBuf>,
     /// Output scene, the bodies and the motion without a proof: `verify --on` checks an older
     /// receipt on it
-    #[arg(long, value_name = "OUT.jsonl", conflicts_with_all = ["tube", "start_contact"])]
+    #[arg(long, value_name = "OUT.jsonl", conflicts_with = "tube")]
     scene: Option<PathBuf>,
 }
 

@@ -1231,6 +1231,26 @@ fn a_part_is_lifted_from_the_table() {
         let (code, text) = run_of(&robot, "certify", &arguments);
         assert!(code == expected && text.contains(said), "{option:?}: {code} {text}");
     }
+    // The proof is about the lid; the contact that was accepted is named.
+    let proof = scratch("lift.jsonl", "");
+    let lift = [
+        "--cell",
+        &cell,
+        "--joints",
+        &up,
+        "--start-contact",
+        "0.001",
+        "--receipt",
+        &proof,
+    ];
+    let (code, text) = run_of(&robot, "certify", &lift);
+    assert_eq!(code, 0, "{text}");
+    let (code, text) = run_of(&proof, "verify", &[]);
+    let accepted = "part against floor: in contact at the start, which was accepted";
+    assert!(
+        code == 0 && text.contains("1 pair of bodies stays more than 0 apart") && text.contains(accepted),
+        "{code} {text}"
+    );
     let (code, text) = run_of(&robot, "certify", &["--joints", &up, "--start-contact", "-1"]);
     assert!(code > 1, "{code} {text}");
 }
