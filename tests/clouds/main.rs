@@ -2,6 +2,7 @@
 //! for the elements one by one.
 
 mod build;
+mod grazing;
 mod queries;
 mod uses;
 

@@ -197,7 +197,8 @@ pub struct Cloud {
 impl Cloud {
     /// Builds a cloud from points in double precision.
     ///
-    /// Points may be equal. Points in contact or inside of other elements stay.
+    /// Points may be equal. Points in contact or inside of other elements stay. Of more than 64
+    /// equal points, that with the largest radius answers queries, or the first.
     ///
     /// # Errors
     ///
@@ -706,7 +707,7 @@ impl Parted for Cloud {
     }
 
     fn probe_count(&self) -> usize {
-        self.len()
+        self.tree.range(0).len()
     }
 
     fn probe(&self, k: usize) -> [Vector3<f64>; 4] {

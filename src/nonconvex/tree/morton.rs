@@ -16,6 +16,7 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
+use core::iter::once;
 use core::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 use wide::{f32x4, f32x8};
@@ -133,23 +134,54 @@ pub(crate) fn order(points: &[[f64; 3]]) -> Vec<u32> {
     order
 }
 
-/// Returns the order of the points, and their keys in the cube around all points.
-fn sorted(points: &[[f64; 3]]) -> (Vec<u32>, Vec<u64>) {
+/// Returns the order of the points, their keys in the cube around all points, and where many equal
+/// points follow each other.
+fn sorted(points: &[[f64; 3]]) -> (Vec<u32>, Vec<u64>, Vec<Range<usize>>) {
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
-    let mut keys = sort_once(points, &mut order);
-    if keys.is_empty() {
-        keys.resize(points.len(), 0);
-        return (order, keys);
-    }
-    let mut tasks: Vec<(usize, Range<usize>)> = Vec::new();
-    push_crowds(&keys, 0, 0, &mut tasks);
+    let (mut keys, mut equal) = (Vec::new(), Vec::new());
+    let mut tasks = vec![(0, 0..points.len())];
     while let Some((depth, range)) = tasks.pop() {
-        let of_cell = sort_once(points, &mut order[range.clone()]);
-        if depth < REFINEMENTS {
+        let cell = &mut order[range.clone()];
+        let of_cell = sort_once(points, cell);
+        if of_cell.is_empty() && cell.iter().all(|&i| points[i as usize] == points[cell[0] as usize]) {
+            equal.push(range.clone());
+        }
+        if depth <= REFINEMENTS {
             push_crowds(&of_cell, range.start, depth + 1, &mut tasks);
         }
+        if depth == 0 {
+            keys = of_cell;
+        }
     }
-    (order, keys)
+    keys.resize(points.len(), 0);
+    equal.retain(|range| range.len() > CROWD);
+    equal.sort_unstable_by_key(|range| range.start);
+    (order, keys, equal)
+}
+
+/// Moves all but one of many equal points to the end, and removes their keys.
+///
+/// The one that stays has the largest radius, so that it contains the others.
+fn keep_one_of_equals(order: &mut Vec<u32>, keys: &mut Vec<u64>, equal: &[Range<usize>], radius: &dyn Fn(u32) -> f64) {
+    let mut hidden: Vec<u32> = Vec::new();
+    let (mut kept, mut from) = (0, 0);
+    for range in equal.iter().cloned().chain(once(order.len()..order.len())) {
+        order.copy_within(from..range.start, kept);
+        keys.copy_within(from..range.start, kept);
+        kept += range.start - from;
+        from = range.end;
+        let Some(&first) = order[range.clone()].first() else {
+            continue;
+        };
+        let largest = |best: u32, &i: &u32| if radius(i) > radius(best) { i } else { best };
+        let stays = order[range.clone()].iter().fold(first, largest);
+        hidden.extend(order[range.clone()].iter().filter(|i| **i != stays));
+        (order[kept], keys[kept]) = (stays, keys[range.start]);
+        kept += 1;
+    }
+    keys.truncate(kept);
+    order.truncate(kept);
+    order.extend(hidden);
 }
 
 /// Adds the ranges of many equal keys.
@@ -229,9 +261,13 @@ impl Tree {
     /// Builds a tree over points, each of which stands for an element.
     ///
     /// Returns the tree and the order of the points. There is at least one point and at most 2^27,
-    /// and the coordinates are finite.
+    /// and the coordinates are finite. Of more than [`CROWD`] equal points, the tree holds one. The
+    /// others stand at the end of the order, because pairs of equal points are tied, and a search
+    /// would visit them all.
     pub(in crate::nonconvex) fn over_points(points: &[[f64; 3]], element: &ElementExtent<'_>) -> (Self, Vec<u32>) {
-        let (order, keys) = sorted(points);
+        let (mut order, mut keys, equal) = sorted(points);
+        keep_one_of_equals(&mut order, &mut keys, &equal, element.round.unwrap_or(&|_| 0.0));
+        let held = keys.len();
         let (low, high) = box_of(points, 0..points.len() as u32);
         let centre = low * 0.5 + high * 0.5;
         // At least the rounding of the position.
@@ -248,7 +284,7 @@ impl Tree {
         drop(keys);
         let columns: PlaceColumns = [0, 1, 2].each(|k| {
             let place = |&i: &u32| ((points[i as usize][k] - centre[k]) * scale) as f32;
-            order.iter().map(place).collect()
+            order[..held].iter().map(place).collect()
         });
         let far = far * scale * (1.0 + f64::from(f32::EPSILON));
         let slack = up(BOX_EXTENT * (1.0 + 2.0 * far + centre.amax() * scale) + REFIT_HEIGHT * far);
