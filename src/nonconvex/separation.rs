@@ -425,9 +425,10 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
             bodies: (*a, *b),
             items,
             seen,
+            error: frame.error * a.stored_unit(),
         };
         let flight = PairMotion {
-            keep: self.keep + 2.0 * frame.error * a.stored_unit(),
+            keep: self.keep,
             ..*self.flight
         };
         let mut best = 0.0f64;
@@ -558,6 +559,8 @@ struct ItemPair<'a, A, B> {
     items: [u32; 2],
     balls: [(Point3<f64>, f64); 2],
     seen: &'a Measurement,
+    /// Error of a height along a unit direction, in the caller's unit.
+    error: f64,
 }
 
 impl<A: Parted, B: Parted> Separation for ItemPair<'_, A, B> {
@@ -576,10 +579,13 @@ impl<A: Parted, B: Parted> Separation for ItemPair<'_, A, B> {
     fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> SupportPoint {
         let centre = self.ball(of).0.coords;
         let [i, j] = self.items;
-        match of {
+        let mut support = match of {
             Operand::A => support_of_item(self.bodies.0, i, direction, &centre),
             Operand::B => support_of_item(self.bodies.1, j, direction, &centre),
-        }
+        };
+        // The direction may be longer than one.
+        support.height += self.error * length(direction);
+        support
     }
 }
 
