@@ -85,7 +85,7 @@ def test_casts():
     above = tracker.cast_receipt(floor, die, **fall, duration=4.0, names=("floor", "die"))
     assert "1 pair of bodies stays more than 0 apart from t = 0 until t = 4" in proven(above)
     with pytest.raises(lc.PairError, match="has no receipt"):
-        tracker.cast_receipt(die, lc.Geometry.ellipsoid([0.5, 0.4, 0.3]), **motion, duration=0.1)
+        tracker.cast_receipt(die, lc.Geometry.ellipsoid(0.5, 0.4, 0.3), **motion, duration=0.1)
 
 
 def test_meshes():
