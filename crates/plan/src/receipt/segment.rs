@@ -41,9 +41,10 @@ impl Receipt {
     /// was given in another form, its control points are rounded, and the receipt is about them.
     ///
     /// Along a blocked motion, all pairs have evidence until `free_until` of the
-    /// [`Verdict::Blocked`], or until an earlier time if evidence is within rounding there, and the pair has four vertex pairs, or two points, that prove the contact
-    /// at `contact_at`; if none are certain there, at most 4,096 times the bracket later. A motion that
-    /// is blocked at its start has the contact alone.
+    /// [`Verdict::Blocked`], or until an earlier time if the evidence is within rounding there. Four
+    /// vertex pairs, or two points, prove the contact of the pair at `contact_at`; if none are
+    /// certain there, at most 4,096 times the bracket later. A motion that is blocked at its start
+    /// has the contact alone.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
