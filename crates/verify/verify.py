@@ -393,7 +393,11 @@ def above(q):
 
 def length(v):
     """No length of a vector of constants is larger."""
-    square = dot(v, v)
+    return root_of(dot(v, v))
+
+
+def root_of(square):
+    """No root of a constant is larger."""
     return isqrt(max(square.c[0] + square.r, 0) << P) + 1
 
 
@@ -403,7 +407,7 @@ def length(v):
 class Body:
     def __init__(self, line, scene):
         self.half = half_space(line["half"]) if "half" in line else None
-        flat = ("half",) if self.half else ("points", "parts", "faces", "discs", "radius", "steady")
+        flat = ("half",) if self.half else ("points", "parts", "faces", "ellipsoids", "radius", "radii", "steady")
         only(line, "body", "name", "at", "link", *flat)
         count = len(scene.bodies)
         need(count < 4096 and whole(line["body"]) == count, f"body {count} is expected")
@@ -427,10 +431,13 @@ class Body:
         self.points, self.solid = [numbers(p, 3) for p in points], "faces" in line
         need(not (self.solid and "parts" in line), "a body has parts or faces, not both")
         self.parts = self.lists(line["faces" if self.solid else "parts"]) if self.solid or "parts" in line else []
-        self.discs = self.read_discs(line["discs"]) if "discs" in line else []
-        need(not (self.discs and self.parts), "a body has parts, faces or discs, not two of them")
-        self.radius = number(line["radius"]) if "radius" in line else Q(0)
-        need(self.radius >= 0, "a negative radius")
+        self.ellipsoids = self.read_ellipsoids(line["ellipsoids"]) if "ellipsoids" in line else []
+        need(not (self.ellipsoids and self.solid), "a body has faces or ellipsoids, not both")
+        need(not ("radius" in line and "radii" in line), "a body has a radius or radii, not both")
+        self.radii = [number(r) for r in array(line["radii"])] if "radii" in line else []
+        need("radii" not in line or 0 < len(self.radii) == len(self.parts), "a radius for each part is expected")
+        self.radius = max(self.radii) if self.radii else number(line["radius"]) if "radius" in line else Q(0)
+        need(min([self.radius, *self.radii]) >= 0, "a negative radius")
         self.name = text(get(line, "name"))
 
     def lists(self, value):
@@ -441,21 +448,30 @@ class Body:
             need(sane and all(whole(k) < len(self.points) for k in part), "a part, or a face that is no triangle")
         return value
 
-    def read_discs(self, value):
-        """The number of the centre, the axis and the radius of each disc."""
-        need(0 < len(array(value)) <= 1024, "a body has 1 to 1024 discs")
-        discs = [(whole(k), numbers(axis, 3), number(r)) for k, axis, r in (array(disc, 3) for disc in value)]
-        sane = all(k < len(self.points) and any(axis) and r >= 0 for k, axis, r in discs)
-        need(sane, "a disc of an unknown point, without an axis, or with a negative radius")
-        return discs
+    def read_ellipsoids(self, value):
+        """The number of the centre and the semi-axes of each ellipsoid."""
+        need(0 < len(array(value)) <= 1 << 14, "a body has 1 to 16384 ellipsoids")
+        all_ = [(whole(k), [numbers(v, 3) for v in array(axes)]) for k, axes in (array(x, 2) for x in value)]
+        sane = all(k < len(self.points) and len(axes) <= 3 and any(map(any, axes)) for k, axes in all_)
+        need(sane, "an ellipsoid about an unknown point, without extent, or with more than three axes")
+        return all_
 
     def of_parts(self, ends):
         """The points of some parts; None stands for all points."""
         some = self.parts[ends[0] : ends[1]]
         return sorted({k for part in some for k in part}) if len(some) < len(self.parts) else None
 
+    def radius_of(self, ends):
+        """The greatest radius of some parts."""
+        return max(self.radii[ends[0] : ends[1]], default=self.radius)
+
+    def ellipsoids_of(self, some):
+        """The ellipsoids about some of the points, or all."""
+        chosen = None if some is None else set(some)
+        return [x for x in self.fixed_ellipsoids if chosen is None or x.centre in chosen]
+
     def lengths(self):
-        ends = [r for _, _, r in self.discs] + ([self.half[1]] if self.half else [])
+        ends = [x for _, axes in self.ellipsoids for v in axes for x in v] + ([self.half[1]] if self.half else [])
         return [x for p in self.points for x in p] + self.at[1] + ends
 
     def scaled(self, unit):
@@ -465,15 +481,14 @@ class Body:
         self.inexact = max(x.r for p in all_ for x in p)
         self.most = [max(abs(p[k]) for p in self.fixed) + 1 for k in range(3)]
         squares = (sum((x - c) ** 2 for x, c in zip(p, self.pivot)) for p in self.points)
-        # A disc is in a ball of its radius about its centre.
-        wider = max((r for _, _, r in self.discs), default=Q(0)) * unit
+        self.fixed_ellipsoids = [Ellipsoid(k, axes, unit) for k, axes in self.ellipsoids]
+        wider = max((x.radius for x in self.fixed_ellipsoids), default=Q(0))
         self.reach = root_above(max(squares) * unit * unit) + wider
         ends = [(min(p[k] for p in self.points), max(p[k] for p in self.points)) for k in range(3)]
         middle = [(low + high) / 2 for low, high in ends]
         squares = (sum((x - c) ** 2 for x, c in zip(p, middle)) for p in self.points)
         self.middle = fixed_all([x * unit for x in middle])
         self.round = root_above(max(squares) * unit * unit) + wider
-        self.round_ends = [Disc(k, axis, r * unit) for k, axis, r in self.discs]
         self.own = [Place(self.at, unit)]
         if self.steady:
             rows, shift = self.at
@@ -484,25 +499,32 @@ class Body:
             self.own = [Shift(ways), spin, Place((rows, [-x for x in lever]), unit)]
 
 
-class Disc:
-    """A disc in units of a power of two (lemma 13)."""
+class Ellipsoid:
+    """An ellipsoid in units of a power of two (lemma 13)."""
 
-    def __init__(self, centre, axis, radius):
-        self.centre, self.axis = centre, fixed_all(axis)
-        self.slim = above(radius * root_above(1 / dot(axis, axis)))
+    def __init__(self, centre, axes, unit):
+        size = max(abs(x) for v in axes for x in v)
+        self.centre, self.axes = centre, [fixed_all([x / size for x in v]) for v in axes]
+        self.size = above(size * unit)
+        # Of a ball about the centre that contains the ellipsoid.
+        self.radius = root_above(max(sum(abs(dot(u, v)) for v in axes) for u in axes) * unit * unit)
+
+    def square(self, m):
+        """The square of the half height along m, over that of the size."""
+        ways = (dot(m, axis) for axis in self.axes)
+        return sum((way * way for way in ways), Taylor([0]))
 
     def half_height(self, m):
         """No half height along constants m is larger, in units of 2^-2P."""
-        return self.slim * length(cross(m, self.axis))
+        return self.size * root_of(self.square(m))
 
     def half_heights(self, m):
         """Bernstein coefficients no less than those of the half height along m, in units of 2^-2P / W."""
-        way = cross(m, self.axis)
-        square = dot(way, way)
+        square = self.square(m)
         net = [c + W * square.r for c in square.net()]
         s = isqrt((max(0, *net) // W + 1) << P) + 1
         squared = W * ((s * s >> P) + 1)
-        return [self.slim * (((c + squared) << P) // (2 * s) + 1) for c in net]
+        return [self.size * (((c + squared) << P) // (2 * s) + 1) for c in net]
 
 
 def half_space(value):
@@ -618,6 +640,13 @@ class Scene:
     def names(self, pair):
         return f"{self.bodies[pair[0]].name} against {self.bodies[pair[1]].name}"
 
+    def all_parts(self, pair):
+        return [(0, len(self.bodies[k].parts)) for k in pair]
+
+    def radii(self, pair, parts):
+        """The sum of the greatest radii of some parts."""
+        return sum(self.bodies[k].radius_of(ends) for k, ends in zip(pair, parts))
+
     def moving(self, pair):
         return self.bodies[pair[0]].moves or self.bodies[pair[1]].moves
 
@@ -654,9 +683,9 @@ class Scene:
             all_ = [x * p[0] + y * p[1] + z * p[2] for p in points]
             low.append(min(all_) + (b << P) - off)
             high.append(max(all_) + (b << P) + off)
-        for disc in body.round_ends:
-            centre = body.fixed[disc.centre]
-            nets, halves = zip(*(part.net() for part in m)), disc.half_heights(m)
+        for ellipsoid in body.ellipsoids_of(some):
+            centre = body.fixed[ellipsoid.centre]
+            nets, halves = zip(*(part.net() for part in m)), ellipsoid.half_heights(m)
             for k, (n_, b, half) in enumerate(zip(nets, o.net(), halves)):
                 at = dot(n_, centre) + (b << P)
                 low[k], high[k] = min(low[k], at - half - off), max(high[k], at + half + off)
@@ -727,7 +756,7 @@ def floor_height(floor, unit):
     return above(height * unit) << P if side == 0 else -(above(-height * unit) << P)
 
 
-def by_plane(scene, pair, span, keep, normal, spin, some=(None, None), floor=None):
+def by_plane(scene, pair, span, kept, normal, spin, some=(None, None), floor=None):
     """Lemma 3, for some vertices of both bodies or for all."""
     n = fixed_all(normal)
     if spin and span[0] != span[1]:
@@ -740,14 +769,14 @@ def by_plane(scene, pair, span, keep, normal, spin, some=(None, None), floor=Non
 
     (_, high), (low, _) = heights(0), heights(1)
     gap = min(y - x for x, y in zip(high, low))
-    keep = (keep + sum(scene.bodies[k].radius for k in pair)) * scene.unit
-    return gap > 0 and Q(gap, W << 2 * P) ** 2 > keep * keep * dot(normal, normal)
+    kept *= scene.unit
+    return gap > 0 and Q(gap, W << 2 * P) ** 2 > kept * kept * dot(normal, normal)
 
 
-def by_balls(scene, pair, span, keep):
+def by_balls(scene, pair, span, kept):
     """Lemma 2."""
     a, b = (scene.bodies[k] for k in pair)
-    reach = a.reach + b.reach + (keep + a.radius + b.radius) * scene.unit
+    reach = a.reach + b.reach + kept * scene.unit
     ends = [scene.point(body, fixed_all([x * scene.unit for x in body.pivot]), span) for body in (a, b)]
     way = minus(ends[1], ends[0])
     square = dot(way, way)
@@ -832,9 +861,9 @@ def over_cell(scene, link, body, some, cell, normal):
     bends = [(m, o, off(m, o), above(half[c])) for c, (m, o) in slopes.items()]
     low = high = None
     points = [(p, None) for p in (body.fixed if some is None else [body.fixed[k] for k in some])]
-    for p, disc in points + [(body.fixed[disc.centre], disc) for disc in body.round_ends]:
-        # A point of a disc departs from the centre by half its height.
-        wider = disc.half_height if disc else lambda m: 0
+    for p, ellipsoid in points + [(body.fixed[x.centre], x) for x in body.ellipsoids_of(some)]:
+        # A point of an ellipsoid departs from the centre by half its height.
+        wider = ellipsoid.half_height if ellipsoid else lambda m: 0
         bent = (h * ((abs(height(p, m, o)) + e + wider(m) >> P) + 1) for m, o, e, h in bends)
         loss = slack + wider(rows[0][0]) + sum(bent)
         at = height(p, *rows[0])
@@ -843,7 +872,7 @@ def over_cell(scene, link, body, some, cell, normal):
     return low, high
 
 
-def in_cell(scene, pair, some, cell, link, normal, keep, floor):
+def in_cell(scene, pair, some, cell, link, normal, kept, floor):
     """Lemma 9."""
 
     def heights(side):
@@ -852,8 +881,8 @@ def in_cell(scene, pair, some, cell, link, normal, keep, floor):
         return over_cell(scene, link, pair[side], some[side], cell, normal)
 
     (_, high), (low, _) = heights(0), heights(1)
-    gap, keep = Q(low - high, ONE * ONE), (keep + sum(scene.bodies[k].radius for k in pair)) * scene.unit
-    return gap > 0 and gap * gap > keep * keep * dot(normal, normal)
+    gap, kept = Q(low - high, ONE * ONE), kept * scene.unit
+    return gap > 0 and gap * gap > kept * kept * dot(normal, normal)
 
 
 def at_part(axis, at):
@@ -893,8 +922,7 @@ class Cells:
             prove(pair not in self.done, f"{name}: cells after the last cell")
             self.done.add(pair)
             # The ranges of the coordinates, then the parts of both bodies.
-            parts = [(0, len(scene.bodies[k].parts)) for k in pair]
-            self.now, self.waiting = pair, [[*self.range, *parts]]
+            self.now, self.waiting = pair, [[*self.range, *scene.all_parts(pair)]]
         cut_cells(self.waiting, line.get("cut", []), self.where, name)
         keep = number(line["keep"]) if "keep" in line else self.margin
         prove(keep >= self.margin, f"{name}: keeps {shown(keep)}, less than the margin")
@@ -936,17 +964,21 @@ class Moment:
         return [self.has(side, k) for side, k in enumerate(pair)]
 
     def in_part(self, *points):
-        """Refuses points that no single part has: their hull may be outside of the body."""
+        """The sum of the radii around points of both bodies.
+
+        Refuses points that no single part has: their hull may be outside of the body. If several parts have them,
+        the greatest radius counts.
+        """
+        total = Q(0)
         for k, on in zip(self.pair, points):
-            parts = self.scene.bodies[k].parts
-            truth = not parts or any(set(on) <= set(part) for part in parts)
-            prove(truth, f"{self.scene.names(self.pair)}: points of several parts")
+            body = self.scene.bodies[k]
+            found = [body.radius_of((j, j + 1)) for j, part in enumerate(body.parts) if set(on) <= set(part)]
+            prove(found or not body.parts, f"{self.scene.names(self.pair)}: points of several parts")
+            total += max(found, default=body.radius)
+        return total
 
     def placed(self):
         return [self.scene.placed(k) for k in self.pair]
-
-    def radii(self):
-        return sum(self.scene.bodies[k].radius for k in self.pair)
 
     def names(self):
         return self.scene.names(self.pair)
@@ -956,7 +988,7 @@ class Moment:
         return " and ".join(self.scene.bodies[k].name for k in self.pair) + when
 
     def means(self, line):
-        """Two points by weights of vertices, in the frames of the bodies."""
+        """Two points by weights of vertices, in the frames of the bodies, and the sum of the radii around them."""
         found, on = [], []
         for entries in array(get(line, "on"), 2):
             on.append([(whole(k), number(w)) for k, w in (array(x, 2) for x in array(entries))])
@@ -965,13 +997,13 @@ class Moment:
         for side, pairs in enumerate(on):
             for k, _ in pairs:
                 self.has(side, k)
-        self.in_part(*([k for k, _ in pairs] for pairs in on))
+        radii = self.in_part(*([k for k, _ in pairs] for pairs in on))
         for side, pairs in enumerate(on):
             total = sum(w for _, w in pairs)
             points = self.scene.bodies[self.pair[side]].points
             mean = [sum(w * points[k][i] for k, w in pairs) / total for i in range(3)]
             found.append(mean)
-        return found
+        return found, radii
 
 
 def meet(scene, line):
@@ -1007,7 +1039,8 @@ def near(scene, line):
     moment = Moment(scene, line)
     within = number(get(line, "within"))
     need(within >= 0, "within is negative")
-    means, reach = moment.means(line), within + moment.radii()
+    means, radii = moment.means(line)
+    reach = within + radii
     if moment.time is None:
         way = minus(*(placed.point(x) for placed, x in zip(moment.placed(), means)))
         truth = dot(way, way) <= reach * reach
@@ -1023,7 +1056,7 @@ def near(scene, line):
 
 
 def nearest(moment, placed, line):
-    """The way between the closest points of the flats through the named vertices, which lie within them."""
+    """The way between the closest points of the flats through the named vertices, which lie within them, and the radii."""
     ends, edges, sides, on = [], [], [], []
     for side, names in enumerate(array(get(line, "on"), 2)):
         on.append([moment.has(side, k) for k in array(names)[:4]])
@@ -1033,7 +1066,7 @@ def nearest(moment, placed, line):
             sides.append(side)
             edges.append(minus(c, corners[0]) if side else minus(corners[0], c))
         ends.append(corners[0])
-    moment.in_part(*on)
+    radii = moment.in_part(*on)
     way = minus(ends[1], ends[0])
     need(len(edges) < 3, "features of more than four vertices")
     right = [-dot(e, way) for e in edges]
@@ -1050,7 +1083,7 @@ def nearest(moment, placed, line):
     for side in (0, 1):
         own = [x for x, s in zip(parts, sides) if s == side]
         prove(all(x >= 0 for x in own) and sum(own) <= 1, f"{moment.names()}: a closest point outside its feature")
-    return [w + sum(t * e[k] for t, e in zip(parts, edges)) for k, w in enumerate(way)]
+    return [w + sum(t * e[k] for t, e in zip(parts, edges)) for k, w in enumerate(way)], radii
 
 
 def below(moment, placed, some, n, lower, of=""):
@@ -1063,13 +1096,13 @@ def below(moment, placed, some, n, lower, of=""):
 def groups(moment, placed, entries, lower):
     """Lemma 7: planes between groups of parts, which together are all pairs of parts."""
     bodies = [moment.scene.bodies[k] for k in moment.pair]
-    waiting = [[(0, len(body.parts)) for body in bodies]]
+    waiting = [moment.scene.all_parts(moment.pair)]
     for cuts, normal in (array(entry, 2) for entry in array(entries)):
         cut_cells(waiting, cuts, at_part, moment.names())
         prove(waiting, f"{moment.names()}: a group after the last one")
         parts = [list(ends) for ends in waiting.pop()]
         some = [body.of_parts(ends) for body, ends in zip(bodies, parts)]
-        below(moment, placed, some, numbers(normal, 3), lower, f" of parts {parts}")
+        below(moment, placed, some, numbers(normal, 3), lower + moment.scene.radii(moment.pair, parts), f" of parts {parts}")
     prove(not waiting, f"{moment.names()}: {len(waiting)} groups without a plane")
     return len(entries) == 1
 
@@ -1078,21 +1111,23 @@ def distance(scene, line):
     """Lemma 6."""
     only(line, "distance", "lower", "upper", "normal", "cells", "on")
     moment = Moment(scene, line)
-    need(not any(scene.bodies[k].discs for k in moment.pair), "a distance of a body with discs")
+    need(not any(scene.bodies[k].ellipsoids for k in moment.pair), "a distance of a body with ellipsoids")
     placed = moment.placed()
     bounds = number(get(line, "lower")), number(get(line, "upper"))
-    lower, upper = (x + moment.radii() for x in bounds)
+    lower, upper = bounds
     need(not ("normal" in line and "cells" in line), "a distance has a normal or cells, not both")
     if "normal" in line or "cells" in line:
-        a, b = moment.means(line)
+        (a, b), radii = moment.means(line)
         way = minus(placed[1].point(b), placed[0].point(a))
     else:
-        way = nearest(moment, placed, line)
+        way, radii = nearest(moment, placed, line)
     if "cells" in line:
         hulls_apart = groups(moment, placed, line["cells"], lower)
     else:
         hulls_apart = True
+        lower += scene.radii(moment.pair, scene.all_parts(moment.pair))
         below(moment, placed, (None, None), numbers(line["normal"], 3) if "normal" in line else way, lower)
+    upper += radii
     prove(upper >= 0 and dot(way, way) <= upper * upper, f"{moment.names()}: the upper bound is not proven")
     apart = "{} are at least {} and at most {} apart".format(moment.text(), *map(shown, bounds))
     if hulls_apart or not any(scene.bodies[k].solid for k in moment.pair):
@@ -1258,8 +1293,8 @@ class Check:
         only(line, "cell", "cut", "link", "normal", "keep")
         scene, pair = self.scene, self.scene.pair(line["cell"])
         cell, keep = self.cells.next(scene, pair, line)
-        some = [scene.bodies[k].of_parts(ends) for k, ends in zip(pair, cell[-2:])]
-        cell = cell[:-2]
+        cell, parts = cell[:-2], cell[-2:]
+        some = [scene.bodies[k].of_parts(ends) for k, ends in zip(pair, parts)]
         floor = floor_of(scene, pair, True)
         if floor:
             only(line, "cell", "cut", "keep")
@@ -1270,7 +1305,8 @@ class Check:
         self.keeps(pair, keep)
         if any(scene.bodies[k].solid for k in pair):
             (self.hulls_apart if some == [None, None] else self.cut).add(pair)
-        truth = in_cell(scene, pair, some, cell, link, normal, keep, floor)
+        kept = keep + scene.radii(pair, parts)
+        truth = in_cell(scene, pair, some, cell, link, normal, kept, floor)
         middle = ", ".join(shown((low + high) / 2) for low, high in cell)
         prove(truth, f"{scene.names(pair)}, about [{middle}]")
 
@@ -1283,10 +1319,9 @@ class Check:
 
     def cell_at_hand(self, pair, span, cuts):
         """Cuts the cell of parts at hand and returns its parts (lemma 11)."""
-        name, bodies = self.scene.names(pair), [self.scene.bodies[k] for k in pair]
+        name = self.scene.names(pair)
         self.must_prove(pair)
-        all_ = [(0, len(body.parts)) for body in bodies]
-        waiting, starts = self.waiting.setdefault(pair, ([all_], [self.begin]))
+        waiting, starts = self.waiting.setdefault(pair, ([self.scene.all_parts(pair)], [self.begin]))
         cut_cells(waiting, cuts, at_part, name)
         prove(waiting, f"{name}: a proof after the last one")
         # A cut is for the time that is left, in both parts.
@@ -1294,7 +1329,7 @@ class Check:
         start, parts = starts[-1], waiting[-1]
         why = f"{name}: a proof from t = {shown(span[0])}, after one until t = {shown(start)}"
         prove(span[0] == start <= span[1] <= self.until, why)
-        return [body.of_parts(ends) for body, ends in zip(bodies, parts)]
+        return parts
 
     def apart(self, line):
         """Lemmas 8 and 11, and lemma 2 or 3 for each pair."""
@@ -1315,10 +1350,12 @@ class Check:
         prove(keep >= self.margin, f"{self.scene.names(pairs[0])}: keeps {shown(keep)}, less than the margin")
         failed, span = None, (start, until)
         for pair in pairs:
-            some = self.cell_at_hand(pair, span, cuts)
+            parts = self.cell_at_hand(pair, span, cuts)
+            some = [self.scene.bodies[k].of_parts(ends) for k, ends in zip(pair, parts)]
+            kept = keep + self.scene.radii(pair, parts)
             more = (by_plane, normal, spin, some, floor) if plane else (by_balls,)
             self.keeps(pair, keep)
-            holds = any(self.holds(degree, pair, span, keep, *more) for degree in DEGREES)
+            holds = any(self.holds(degree, pair, span, kept, *more) for degree in DEGREES)
             failed = failed if holds else failed or pair
             if any(self.scene.bodies[k].solid for k in pair):
                 (self.hulls_apart if not plane or some == [None, None] else self.cut).add(pair)
@@ -1341,15 +1378,16 @@ class Check:
         normal = numbers(get(line, "normal"), 3)
         no_half_space(self.scene, pair)
         self.must_prove(pair)
-        holds = (self.holds(degree, pair, (time, time), Q(0), by_plane, normal, None) for degree in DEGREES)
+        kept = self.scene.radii(pair, self.scene.all_parts(pair))
+        holds = (self.holds(degree, pair, (time, time), kept, by_plane, normal, None) for degree in DEGREES)
         truth = self.begin <= time <= self.until and any(holds)
         prove(truth, f"{self.scene.names(pair)}: the hulls are not apart")
         self.hulls_apart.add(pair)
 
-    def holds(self, degree, pair, span, keep, lemma, *more):
+    def holds(self, degree, pair, span, kept, lemma, *more):
         set_degree(degree)
         try:
-            return lemma(self.scene, pair, span, keep, *more)
+            return lemma(self.scene, pair, span, kept, *more)
         except Fails:
             return False
 

@@ -10,24 +10,25 @@ use dashu_int::IBig;
 use dashu_ratio::RBig;
 
 use crate::bernstein::least;
-use crate::claim::{Claim, radii};
+use crate::claim::Claim;
 use crate::int::Int;
 use crate::motion::{Span, Stage};
 use crate::real::two_to;
 use crate::scene::Scene;
 use crate::vectors::{dot, minus};
 
-/// The balls of two bodies stay more than `keep` apart.
+/// The balls of two bodies stay more than `kept` apart.
 pub(crate) struct Balls {
     pub(crate) pair: (usize, usize),
     pub(crate) span: Span,
-    pub(crate) keep: RBig,
+    /// What the line keeps, and the radii.
+    pub(crate) kept: RBig,
 }
 
 impl Claim for Balls {
     fn holds<I: Int>(&self, scene: &Scene, stage: &Stage<I>) -> Option<bool> {
         let (a, b) = self.pair;
-        let reach = stage.reach(a) + stage.reach(b) + (&self.keep + radii(scene, self.pair)) * &stage.unit;
+        let reach = stage.reach(a) + stage.reach(b) + &self.kept * &stage.unit;
         let way = minus(
             &stage.centre(scene, b, &self.span)?,
             &stage.centre(scene, a, &self.span)?,

@@ -10,6 +10,7 @@
 use std::collections::BTreeSet;
 
 use crate::Stop;
+use crate::claim::all_parts;
 use crate::cover::Parts;
 use crate::cuts::{Cell, cut, halves};
 use crate::json::Json;
@@ -79,7 +80,7 @@ impl Cells {
             if !self.done.insert(pair) {
                 return Stop::fails(format!("{}: cells after the last cell", name()));
             }
-            let all = [pair.0, pair.1].map(|k| [0, scene.bodies[k].parts.len()]);
+            let all = all_parts(scene, pair);
             (self.now, self.waiting) = (Some(pair), vec![(self.range.clone(), all)]);
         }
         let cuts = line.find("cut").map_or(Ok(&[][..]), Json::array)?;

@@ -3,6 +3,7 @@
 use dashu_int::IBig;
 use dashu_ratio::RBig;
 
+use crate::cover::Parts;
 use crate::int::Int;
 use crate::json::Json;
 use crate::motion::{Span, Stage};
@@ -54,16 +55,23 @@ impl Moment {
         Stop::fails(format!("{}: no such vertex, of {i} and {j}", scene.names(self.pair)))
     }
 
-    /// Refuses points that no single part of its body has: their hull may be outside of the body.
-    pub(crate) fn in_part(&self, scene: &Scene, points: [&[usize]; 2]) -> Result<(), Stop> {
+    /// Returns the sum of the radii around points of both bodies.
+    ///
+    /// Refuses points that no single part of its body has: their hull may be outside of the body. If several parts
+    /// have them, the greatest radius counts.
+    pub(crate) fn in_part(&self, scene: &Scene, points: [&[usize]; 2]) -> Result<RBig, Stop> {
+        let mut sum = RBig::ZERO;
         for (body, points) in [self.pair.0, self.pair.1].into_iter().zip(points) {
-            let parts = &scene.bodies[body].parts;
-            let has = |part: &Vec<usize>| points.iter().all(|k| part.contains(k));
-            if !parts.is_empty() && !parts.iter().any(has) {
-                return Stop::fails(format!("{}: points of several parts", scene.names(self.pair)));
+            let body = &scene.bodies[body];
+            let has = |k: &usize| points.iter().all(|point| body.parts[*k].contains(point));
+            let parts = (0..body.parts.len()).filter(has).map(|k| body.radius_of([k, k + 1]));
+            match parts.max() {
+                Some(radius) => sum += radius,
+                None if body.parts.is_empty() => sum += &body.radius,
+                None => return Stop::fails(format!("{}: points of several parts", scene.names(self.pair))),
             }
         }
-        Ok(())
+        Ok(sum)
     }
 
     pub(crate) fn span(&self) -> Span {
@@ -78,14 +86,19 @@ impl Moment {
     }
 }
 
-/// Decides whether a gap along a normal, in units of 2^-2P / scale, is more than `keep` and the radii.
-pub(crate) fn beyond<I: Int>(gap: &I, scale: i32, keep: &RBig, normal: &Exact, unit: &RBig) -> bool {
+/// Decides whether a gap along a normal, in units of 2^-2P / scale, is more than `kept`.
+pub(crate) fn beyond<I: Int>(gap: &I, scale: i32, kept: &RBig, normal: &Exact, unit: &RBig) -> bool {
     let gap = RBig::from(gap.wide()) * two_to(-2 * I::P as i64) / RBig::from(IBig::from(scale));
-    let keep = keep * unit;
-    gap > RBig::ZERO && &gap * &gap > &keep * &keep * dot(normal, normal)
+    let kept = kept * unit;
+    gap > RBig::ZERO && &gap * &gap > &kept * &kept * dot(normal, normal)
 }
 
-/// Returns the sum of the radii of two bodies.
-pub(crate) fn radii(scene: &Scene, (a, b): (usize, usize)) -> RBig {
-    &scene.bodies[a].radius + &scene.bodies[b].radius
+/// Returns the numbers of all parts of two bodies.
+pub(crate) fn all_parts(scene: &Scene, (a, b): (usize, usize)) -> Parts {
+    [a, b].map(|k| [0, scene.bodies[k].parts.len()])
+}
+
+/// Returns the sum of the greatest radii of some parts of two bodies.
+pub(crate) fn radii(scene: &Scene, (a, b): (usize, usize), parts: Parts) -> RBig {
+    scene.bodies[a].radius_of(parts[0]) + scene.bodies[b].radius_of(parts[1])
 }

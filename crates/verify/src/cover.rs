@@ -14,6 +14,7 @@
 use std::collections::BTreeMap;
 
 use crate::Stop;
+use crate::claim::all_parts;
 use crate::cuts::{Cell, cut, halves};
 use crate::json::Json;
 use crate::motion::Span;
@@ -82,8 +83,8 @@ impl Cover {
     ) -> Result<Parts, Stop> {
         let name = || scene.names(pair);
         scene.must_prove(pair)?;
-        let all = [pair.0, pair.1].map(|k| [0, scene.bodies[k].parts.len()]);
-        let waiting = self.waiting.entry(pair).or_insert_with(|| vec![(apart.span.from, all)]);
+        let all = || vec![(apart.span.from, all_parts(scene, pair))];
+        let waiting = self.waiting.entry(pair).or_insert_with(all);
         cut(waiting, cuts, name)?;
         let Some((start, parts)) = waiting.last() else {
             return Stop::fails(format!("{}: a proof after the last one", name()));

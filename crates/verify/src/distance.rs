@@ -11,7 +11,7 @@
 use dashu_ratio::RBig;
 
 use crate::Stop;
-use crate::claim::{Moment, radii};
+use crate::claim::{Moment, all_parts, radii as radii_of};
 use crate::groups;
 use crate::json::Json;
 use crate::near;
@@ -25,19 +25,19 @@ pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
     let moment = Moment::read(scene, line)?;
     if [moment.pair.0, moment.pair.1]
         .iter()
-        .any(|k| !scene.bodies[*k].discs.is_empty())
+        .any(|k| !scene.bodies[*k].ellipsoids.is_empty())
     {
-        return Stop::bad("a distance of a body with discs");
+        return Stop::bad("a distance of a body with ellipsoids");
     }
     let placed = [scene.placed(moment.pair.0)?, scene.placed(moment.pair.1)?];
     let bounds = [line.get("lower")?.real()?, line.get("upper")?.real()?];
-    let [lower, upper] = bounds.map(|x| x.exact() + radii(scene, moment.pair));
+    let [lower, upper] = bounds.map(Real::exact);
     let names = || scene.names(moment.pair);
     let (normal, cells) = (line.find("normal"), line.find("cells"));
-    let way = match normal.or(cells) {
+    let (way, radii) = match normal.or(cells) {
         Some(_) => {
-            let [a, b] = near::points(scene, &moment, line)?;
-            minus(&placed[1].pose.point(&b), &placed[0].pose.point(&a))
+            let ([a, b], radii) = near::points(scene, &moment, line)?;
+            (minus(&placed[1].pose.point(&b), &placed[0].pose.point(&a)), radii)
         }
         None => nearest(scene, &moment, &placed, line)?,
     };
@@ -47,11 +47,13 @@ pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
         (normal, None) => {
             let normal = normal.map(Json::reals::<3>).transpose()?;
             let n = normal.map_or_else(|| way.clone(), |n| n.map(Real::exact));
+            let lower = lower + radii_of(scene, moment.pair, all_parts(scene, moment.pair));
             let found = groups::below(&placed, [None, None], &n, &lower);
             found.map_err(|why| Stop::Fails(format!("{}: {why}", names())))?;
             true
         }
     };
+    let upper = upper + radii;
     if upper < RBig::ZERO || dot(&way, &way) > &upper * &upper {
         return Stop::fails(format!("{}: the upper bound is not proven", names()));
     }
@@ -66,8 +68,8 @@ pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
     ))
 }
 
-/// Returns the way between the closest points of the flats through the named vertices.
-fn nearest(scene: &Scene, moment: &Moment, placed: &[Placed; 2], line: &Json) -> Result<Exact, Stop> {
+/// Returns the way between the closest points of the flats through the named vertices, and the radii around these.
+fn nearest(scene: &Scene, moment: &Moment, placed: &[Placed; 2], line: &Json) -> Result<(Exact, RBig), Stop> {
     let named = line.get("on")?.list::<2>()?;
     let (mut ends, mut edges, mut sides) = (Vec::new(), Vec::new(), Vec::new());
     let mut names: [Vec<usize>; 2] = Default::default();
@@ -88,7 +90,7 @@ fn nearest(scene: &Scene, moment: &Moment, placed: &[Placed; 2], line: &Json) ->
         }
         ends.push(first.clone());
     }
-    moment.in_part(scene, [&names[0], &names[1]])?;
+    let radii = moment.in_part(scene, [&names[0], &names[1]])?;
     let way = minus(&ends[1], &ends[0]);
     let product = |i: usize, j: usize| dot(&edges[i], &edges[j]);
     let right = |i: usize| -dot(&edges[i], &way);
@@ -118,7 +120,6 @@ fn nearest(scene: &Scene, moment: &Moment, placed: &[Placed; 2], line: &Json) ->
             ));
         }
     }
-    Ok(std::array::from_fn(|k| {
-        parts.iter().zip(&edges).fold(way[k].clone(), |s, (t, e)| s + t * &e[k])
-    }))
+    let way = std::array::from_fn(|k| parts.iter().zip(&edges).fold(way[k].clone(), |s, (t, e)| s + t * &e[k]));
+    Ok((way, radii))
 }

@@ -10,7 +10,7 @@
 use dashu_ratio::RBig;
 
 use crate::Stop;
-use crate::claim::Moment;
+use crate::claim::{Moment, all_parts, radii};
 use crate::cover::Parts;
 use crate::cuts::cut;
 use crate::json::Json;
@@ -47,7 +47,7 @@ pub(crate) fn check(
 ) -> Result<bool, Stop> {
     let name = || scene.names(moment.pair);
     let bodies = [moment.pair.0, moment.pair.1].map(|k| &scene.bodies[k]);
-    let mut waiting: Vec<Parts> = vec![bodies.map(|body| [0, body.parts.len()])];
+    let mut waiting: Vec<Parts> = vec![all_parts(scene, moment.pair)];
     let list = list.array()?;
     for entry in list {
         let [cuts, normal] = entry.list::<2>()?;
@@ -57,7 +57,8 @@ pub(crate) fn check(
         };
         let n = normal.reals::<3>()?.map(Real::exact);
         let some = [0, 1].map(|k| bodies[k].of_parts(parts[k]));
-        if let Err(why) = below(placed, some, &n, lower) {
+        let lower = lower + radii(scene, moment.pair, parts);
+        if let Err(why) = below(placed, some, &n, &lower) {
             return Stop::fails(format!("{}: {why} of parts {parts:?}", name()));
         }
     }

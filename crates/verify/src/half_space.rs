@@ -7,7 +7,7 @@
 use dashu_ratio::RBig;
 
 use crate::Stop;
-use crate::disc::above;
+use crate::ellipsoid::above;
 use crate::int::Int;
 use crate::json::Json;
 use crate::real::{Exact, Real, dot};

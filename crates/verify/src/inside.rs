@@ -11,6 +11,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::claim::{all_parts, radii};
 use crate::json::Json;
 use crate::motion::Span;
 use crate::plane::Plane;
@@ -55,7 +56,7 @@ impl Inside {
             pair,
             some: [None, None],
             span: Span::at(time),
-            keep: dashu_ratio::RBig::ZERO,
+            kept: radii(scene, pair, all_parts(scene, pair)),
             normal,
             spin: None,
             floor: None,

@@ -5,7 +5,7 @@
 //! weights are divided by their sum exactly, so they need not add up to one.
 
 use crate::Stop;
-use crate::claim::{AtMoment, Claim, Moment, radii};
+use crate::claim::{AtMoment, Claim, Moment};
 use crate::int::Int;
 use crate::json::Json;
 use crate::motion::Stage;
@@ -19,20 +19,22 @@ use dashu_ratio::RBig;
 pub(crate) struct Near {
     moment: Moment,
     within: Real,
+    /// The distance of the points that proves it: with the radii.
+    reach: RBig,
     /// In the frames of the bodies.
     on: [Exact; 2],
 }
 
-/// Reads two lists of weights and returns their points in the frames of the bodies.
-pub(crate) fn points(scene: &Scene, moment: &Moment, line: &Json) -> Result<[Exact; 2], Stop> {
+/// Reads two lists of weights; returns their points in the frames of the bodies and the sum of the radii around them.
+pub(crate) fn points(scene: &Scene, moment: &Moment, line: &Json) -> Result<([Exact; 2], RBig), Stop> {
     let [on_a, on_b] = line.get("on")?.list::<2>()?;
     let (a, b) = (weights(on_a)?, weights(on_b)?);
     a.iter().try_for_each(|x| moment.has(scene, [x.0, 0]))?;
     b.iter().try_for_each(|x| moment.has(scene, [0, x.0]))?;
     let names = [&a, &b].map(|on| on.iter().map(|x| x.0).collect::<Vec<_>>());
-    moment.in_part(scene, [&names[0], &names[1]])?;
+    let radii = moment.in_part(scene, [&names[0], &names[1]])?;
     let [x, y] = [moment.pair.0, moment.pair.1].map(|k| &scene.bodies[k].points);
-    let points = x.mean(&a).zip(y.mean(&b)).map(|(x, y)| [x, y]);
+    let points = x.mean(&a).zip(y.mean(&b)).map(|(x, y)| ([x, y], radii));
     points.ok_or(Stop::Bad("weights".into()))
 }
 
@@ -44,12 +46,13 @@ impl Near {
         if within < Real::ZERO {
             return Stop::bad("within is negative");
         }
-        let on = points(scene, &moment, line)?;
-        Ok(Self { moment, within, on })
-    }
-
-    fn reach(&self, scene: &Scene) -> RBig {
-        self.within.exact() + radii(scene, self.moment.pair)
+        let (on, radii) = points(scene, &moment, line)?;
+        Ok(Self {
+            reach: within.exact() + radii,
+            moment,
+            within,
+            on,
+        })
     }
 }
 
@@ -65,8 +68,7 @@ impl AtMoment for Near {
     fn at_rest(&self, scene: &Scene) -> Result<bool, Stop> {
         let (a, b) = (scene.placed(self.moment.pair.0)?, scene.placed(self.moment.pair.1)?);
         let way = exact_minus(&b.pose.point(&self.on[1]), &a.pose.point(&self.on[0]));
-        let reach = self.reach(scene);
-        Ok(exact_dot(&way, &way) <= &reach * &reach)
+        Ok(exact_dot(&way, &way) <= &self.reach * &self.reach)
     }
 }
 
@@ -80,7 +82,7 @@ impl Claim for Near {
         let way = minus(&end(b, &self.on[1])?, &end(a, &self.on[0])?)?;
         let square = dot(&way, &way)?;
         let most = RBig::from(square.c[0].add(&square.r)?.wide()) * two_to(-(I::P as i64));
-        let reach = self.reach(scene) * &stage.unit;
+        let reach = &self.reach * &stage.unit;
         Some(most <= &reach * &reach)
     }
 }

@@ -11,7 +11,7 @@
 
 use dashu_ratio::RBig;
 
-use crate::claim::{Claim, beyond, radii};
+use crate::claim::{Claim, beyond};
 use crate::half_space::Floor;
 use crate::int::Int;
 use crate::motion::{Span, Stage, Turn};
@@ -19,12 +19,13 @@ use crate::real::{Exact, Real};
 use crate::scene::Scene;
 use crate::vectors::fixed3;
 
-/// A plane keeps two bodies, or some of their vertices, `keep` apart.
+/// A plane keeps two bodies, or some of their vertices, more than `kept` apart.
 pub(crate) struct Plane {
     pub(crate) pair: (usize, usize),
     pub(crate) some: [Option<Vec<usize>>; 2],
     pub(crate) span: Span,
-    pub(crate) keep: RBig,
+    /// What the line keeps, and the radii.
+    pub(crate) kept: RBig,
     pub(crate) normal: Exact,
     pub(crate) spin: Option<Exact>,
     /// One of the two is a half-space.
@@ -59,7 +60,12 @@ impl Claim for Plane {
             .zip(&low)
             .map(|(x, y)| y.sub(x))
             .collect::<Option<Vec<_>>>()?;
-        let (gap, keep) = (gaps.into_iter().min()?, &self.keep + radii(scene, self.pair));
-        Some(beyond(&gap, I::W, &keep, &self.normal, &stage.unit))
+        Some(beyond(
+            &gaps.into_iter().min()?,
+            I::W,
+            &self.kept,
+            &self.normal,
+            &stage.unit,
+        ))
     }
 }

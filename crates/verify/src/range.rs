@@ -23,8 +23,8 @@ use std::collections::BTreeMap;
 
 use dashu_ratio::RBig;
 
-use crate::claim::{Claim, beyond, radii};
-use crate::disc::{FixedDisc, above};
+use crate::claim::{Claim, beyond};
+use crate::ellipsoid::{FixedEllipsoid, above};
 use crate::half_space::Floor;
 use crate::hops::at_once;
 use crate::int::Int;
@@ -34,7 +34,7 @@ use crate::scene::{Kind, Scene};
 use crate::taylor::Taylor;
 use crate::vectors::{Vector, cross, dot, each, fixed3};
 
-/// A plane fixed to a link keeps two bodies, or some of their vertices, `keep` apart over a cell.
+/// A plane fixed to a link keeps two bodies, or some of their vertices, more than `kept` apart over a cell.
 pub(crate) struct InCell {
     pub(crate) pair: (usize, usize),
     pub(crate) some: [Option<Vec<usize>>; 2],
@@ -43,7 +43,8 @@ pub(crate) struct InCell {
     pub(crate) normal: Exact,
     /// One of the two is a half-space.
     pub(crate) floor: Option<Floor>,
-    pub(crate) keep: RBig,
+    /// What the line keeps, and the radii.
+    pub(crate) kept: RBig,
 }
 
 /// The height m . x + o of a vertex, all of them constants, in units of 2^-2P.
@@ -106,9 +107,9 @@ impl InCell {
             bends.push((m, o, solid.off(m, o)?, above::<I>(&self.half(*coordinate))?));
         }
         let mut ends: Option<[I; 2]> = None;
-        let mut take = |p: &[I; 3], disc: Option<&FixedDisc<I>>| {
-            // A point of the disc departs from the centre by half its height.
-            let wider = |m| disc.map_or(Some(I::small(0)), |disc| disc.half_height(m));
+        let mut take = |p: &[I; 3], ellipsoid: Option<&FixedEllipsoid<I>>| {
+            // A point of the ellipsoid departs from the centre by half its height.
+            let wider = |m| ellipsoid.map_or(Some(I::small(0)), |ellipsoid| ellipsoid.half_height(m));
             let mut slack = off.add(&wider(m)?)?;
             for (m, o, off, half) in &bends {
                 let slope = height(p, m, o)?.size()?.add(off)?.add(&wider(m)?)?;
@@ -125,8 +126,8 @@ impl InCell {
         for p in &*chosen(&solid.points, self.some[side].as_deref()) {
             take(p, None)?;
         }
-        for disc in &solid.discs {
-            take(&solid.points[disc.centre], Some(disc))?;
+        for ellipsoid in solid.ellipsoids_of(self.some[side].as_deref()) {
+            take(&solid.points[ellipsoid.centre], Some(ellipsoid))?;
         }
         ends
     }
@@ -136,7 +137,6 @@ impl Claim for InCell {
     fn holds<I: Int>(&self, scene: &Scene, stage: &Stage<I>) -> Option<bool> {
         let [_, high] = self.heights(scene, stage, 0)?;
         let [low, _] = self.heights(scene, stage, 1)?;
-        let keep = &self.keep + radii(scene, self.pair);
-        Some(beyond(&low.sub(&high)?, 1, &keep, &self.normal, &stage.unit))
+        Some(beyond(&low.sub(&high)?, 1, &self.kept, &self.normal, &stage.unit))
     }
 }

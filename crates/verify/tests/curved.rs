@@ -1,4 +1,4 @@
-//! Promises of discs and half-spaces: a claim that is false by a billionth is refused, and one that is true with little to
+//! Promises of ellipsoids, radii of parts and half-spaces: a claim that is false by a billionth is refused, and one that is true with little to
 //! spare is accepted, by both checkers.
 
 mod support;
@@ -6,11 +6,10 @@ mod support;
 use support::python::{code, codes};
 use support::*;
 
-/// A disc at a pose, spinning about the origin of its frame, above the half-space z <= 0.
+/// An ellipsoid, flat or not, at a pose, spinning about the origin of its frame, above the half-space z <= 0.
 struct Coin {
     centre: V,
-    axis: V,
-    radius: f64,
+    axes: Vec<V>,
     spin: V,
     height: f64,
 }
@@ -19,18 +18,17 @@ impl Coin {
     fn new(rng: &mut Rng) -> Self {
         Self {
             centre: rng.vector(1.0),
-            axis: rng.vector(2.0),
-            radius: rng.range(0.1, 2.0),
+            axes: (0..1 + rng.below(3)).map(|_| rng.vector(1.0)).collect(),
             spin: rng.vector(1.0),
             height: rng.range(4.0, 6.0),
         }
     }
 
-    /// The least height of the disc above the plane at a time.
+    /// The least height of the ellipsoid above the plane at a time.
     fn gap(&self, time: f64) -> f64 {
-        let [centre, axis] = [self.centre, self.axis].map(|v| turned(scale(self.spin, time), v));
-        let tilt = axis[2] * axis[2] / dot(axis, axis);
-        self.height + centre[2] - self.radius * (1.0 - tilt).max(0.0).sqrt()
+        let height = |v: V| turned(scale(self.spin, time), v)[2];
+        let squares = self.axes.iter().map(|v| height(*v) * height(*v));
+        self.height + height(self.centre) - squares.sum::<f64>().sqrt()
     }
 
     /// The claim that the disc keeps a distance over an interval.
@@ -50,11 +48,10 @@ impl Coin {
                 hexes(&[0.0, 0.0, 2.0])
             ),
             format!(
-                "{{\"body\":1,\"name\":\"coin\",\"points\":[{}],\"discs\":[[0,{},{}]],\"at\":{},\"steady\":{{\"pivot\":{zero},\
+                "{{\"body\":1,\"name\":\"coin\",\"points\":[{}],\"ellipsoids\":[[0,[{}]]],\"at\":{},\"steady\":{{\"pivot\":{zero},\
                  \"linear\":{zero},\"angular\":{},\"push\":{zero}}}}}",
                 hexes(&self.centre),
-                hexes(&self.axis),
-                hex(self.radius),
+                self.axes.iter().map(|v| hexes(v)).collect::<Vec<_>>().join(","),
                 hexes(&at),
                 hexes(&self.spin)
             ),
@@ -64,7 +61,7 @@ impl Coin {
 }
 
 #[test]
-fn discs_above_half_spaces_are_proven_as_they_are() {
+fn ellipsoids_above_half_spaces_are_proven_as_they_are() {
     let (mut rng, mut cases, mut wanted) = (Rng(5), Vec::new(), Vec::new());
     for _ in 0..200 {
         let coin = Coin::new(&mut rng);
@@ -90,7 +87,7 @@ fn discs_above_half_spaces_are_proven_as_they_are() {
 }
 
 #[test]
-fn lines_that_a_disc_or_a_half_space_cannot_have_are_refused() {
+fn lines_that_an_ellipsoid_or_a_half_space_cannot_have_are_refused() {
     let coin = Coin::new(&mut Rng(1));
     let text = coin.receipt([0.0, 0.001], 0.1);
     let lines: Vec<&str> = text.lines().collect();
@@ -103,8 +100,9 @@ fn lines_that_a_disc_or_a_half_space_cannot_have_are_refused() {
             "{\"plane\":[0,1]}",
             "{\"outside\":[0,1],\"at\":\"0x0p0\",\"normal\":[\"0x0p0\",\"0x0p0\",\"0x1p0\"]}",
         ),
-        (2, "\"discs\":[[0", "\"discs\":[[1"),
-        (2, "\"discs\":", "\"parts\":[[0]],\"discs\":"),
+        (2, "\"ellipsoids\":[[0", "\"ellipsoids\":[[1"),
+        (2, "\"ellipsoids\":", "\"faces\":[[0,0,0]],\"ellipsoids\":"),
+        (2, "\"ellipsoids\":", "\"radii\":[\"0x0p0\"],\"ellipsoids\":"),
         (2, "\"coin\"", "\"co\u{202e}in\""),
         (2, "\"coin\"", "\"co\u{2028}in\""),
         (1, "\"half\":", "\"radius\":\"0x1p0\",\"half\":"),
@@ -116,8 +114,66 @@ fn lines_that_a_disc_or_a_half_space_cannot_have_are_refused() {
         cases.push((sealed(&changed), None));
     }
     let ours: Vec<i32> = cases.iter().map(|(text, _)| code(text, None)).collect();
-    assert_eq!(ours, [0, 3, 3, 3, 3, 3, 3, 3, 3, 3]);
+    assert_eq!(ours, [0, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3]);
     if let Some(found) = codes(&cases) {
         assert_eq!(found, ours);
+    }
+}
+
+/// A small ball below a point and a large one beside it: the distance is that of the small one.
+#[test]
+fn parts_keep_their_own_radii() {
+    let at = |point: V| hexes(&[point[0], point[1], point[2], 0.0, 0.0, 0.0, 1.0]);
+    let receipt = |evidence: &str, radii: &str| {
+        sealed(&[
+            "{\"receipt\":1,\"claim\":\"lines\"}".into(),
+            format!(
+                "{{\"body\":0,\"name\":\"balls\",\"points\":[{},{}],\"parts\":[[0],[1]],{radii},\"at\":{}}}",
+                hexes(&[0.0; 3]),
+                hexes(&[4.0, 0.0, 0.0]),
+                at([0.0; 3])
+            ),
+            format!(
+                "{{\"body\":1,\"name\":\"point\",\"points\":[{}],\"at\":{}}}",
+                hexes(&[0.0; 3]),
+                at([0.0, 0.0, 2.0])
+            ),
+            evidence.into(),
+        ])
+    };
+    let (up, aside, on) = (
+        hexes(&[0.0, 0.0, 1.0]),
+        hexes(&[-4.0, 0.0, 2.0]),
+        "[[[0,\"0x1p0\"]],[[0,\"0x1p0\"]]]",
+    );
+    let distance = |lower: f64, upper: f64, cells: &str| {
+        let [lower, upper] = [lower, upper].map(hex);
+        format!("{{\"distance\":[0,1],\"lower\":{lower},\"upper\":{upper},\"cells\":[{cells}],\"on\":{on}}}")
+    };
+    let near = |within: f64| format!("{{\"near\":[0,1],\"within\":{},\"on\":{on}}}", hex(within));
+    let (each, whole) = (format!("[[[0,1]],{up}],[[],{aside}]"), format!("[[],{up}]"));
+    let radii = format!("\"radii\":[{},{}]", hex(0.5), hex(1.0));
+    let cases = [
+        (distance(1.5, 1.5, &each), &*radii, 0),
+        (distance(1.5 + 1e-12, 1.6, &each), &*radii, 1),
+        (distance(1.0, 1.5 - 1e-12, &each), &*radii, 1),
+        // One plane has the greatest radius.
+        (distance(1.0, 1.5, &whole), &*radii, 0),
+        (distance(1.0 + 1e-12, 1.5, &whole), &*radii, 1),
+        (near(1.5), &*radii, 0),
+        (near(1.5 - 1e-12), &*radii, 1),
+        (near(1.5), "\"radii\":[\"0x1p0\"]", 3),
+        (near(1.5), "\"radii\":[\"0x1p0\",\"-0x1p0\"]", 3),
+        (near(1.5), "\"radius\":\"0x1p0\",\"radii\":[\"0x1p0\",\"0x1p0\"]", 3),
+    ];
+    let texts: Vec<(String, Option<String>)> = cases
+        .iter()
+        .map(|(line, radii, _)| (receipt(line, radii), None))
+        .collect();
+    let wanted: Vec<i32> = cases.iter().map(|case| case.2).collect();
+    let ours: Vec<i32> = texts.iter().map(|(text, _)| code(text, None)).collect();
+    assert_eq!(ours, wanted);
+    if let Some(found) = codes(&texts) {
+        assert_eq!(found, wanted);
     }
 }

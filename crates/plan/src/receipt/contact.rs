@@ -60,9 +60,7 @@ pub(super) fn meeting(
     let [first, second] = pair.map(|k| &scene.bodies[k]);
     let refused = |why: &'static str| missing(scene, pair, now, why);
     if first.has_no_points() || second.has_no_points() {
-        return Err(refused(
-            "a curved body, a half-space or what is around a body proves no contact",
-        ));
+        return Err(refused("a curved body or a half-space proves no contact"));
     }
     let relative = RelativePose::new(&x, &y).map_err(|_| refused("a pose is out of range"))?;
     let (groups, reach) = (
@@ -85,9 +83,10 @@ pub(super) fn meeting(
         }
     }
     let within = hex(kept);
-    let mut points = near
-        .iter()
-        .filter_map(|[x_part, y_part]| points_within([x_part, y_part], [&x, &y], &relative, reach));
+    let mut points = near.iter().filter_map(|[x_part, y_part]| {
+        let reach = kept + x_part.radius + y_part.radius;
+        points_within([x_part, y_part], [&x, &y], &relative, reach)
+    });
     match points.next() {
         Some(on) => Ok(format!(
             "{{\"near\":[{a},{b}],\"within\":\"{within}\",\"on\":[{on}]{at}}}"

@@ -27,9 +27,7 @@ pub(super) fn distance(
     let refused = |why: &'static str| missing(scene, pair, 0.0, why);
     let [a, b] = pair.map(|k| &scene.bodies[k]);
     if a.has_no_points() || b.has_no_points() {
-        return Err(refused(
-            "a curved body, a half-space or what is around a body proves no distance",
-        ));
+        return Err(refused("a curved body or a half-space proves no distance"));
     }
     if !a.parts.is_empty() || !b.parts.is_empty() {
         return of_parts(scene, pair, poses, relative, bounds).map_err(refused);
@@ -72,17 +70,17 @@ fn of_parts(
     }
     let groups = bodies.map(Groups::new);
     let (all, mut near) = ([groups[0].all(), groups[1].all()], Vec::new());
-    let reach = upper + radii - 0.5 * room;
-    near_parts(&groups, all, relative, reach, PARTS, &mut near);
-    let mut points = near
-        .iter()
-        .filter_map(|[x, y]| points_within([x, y], poses, relative, reach));
+    near_parts(&groups, all, relative, upper + radii - 0.5 * room, PARTS, &mut near);
+    let mut points = near.iter().filter_map(|[x, y]| {
+        let reach = upper + x.radius + y.radius - 0.5 * room;
+        points_within([x, y], poses, relative, reach)
+    });
     let on = points.next().ok_or("no two points are near enough")?;
     let mut planes = Planes {
         groups: &groups,
         poses,
         relative,
-        gap: lower + radii + 0.5 * room,
+        gap: lower + 0.5 * room,
         cuts: Vec::new(),
         cells: Vec::new(),
     };
@@ -98,7 +96,7 @@ struct Planes<'a> {
     groups: &'a [Groups<'a>; 2],
     poses: [&'a Isometry3<f64>; 2],
     relative: &'a RelativePose,
-    /// What each plane must prove.
+    /// What each plane must prove, without the radii.
     gap: f64,
     /// Cuts of the cell at hand.
     cuts: Vec<String>,
@@ -145,7 +143,8 @@ impl Planes<'_> {
             let heights = groups[k].vertices.iter().map(|p| m.dot(p) + base);
             heights.fold(f64::NEG_INFINITY, f64::larger)
         };
-        let is_enough = |n: &Vector3<f64>| -highest(1, -n) - highest(0, *n) >= self.gap * n.norm();
+        let gap = self.gap + groups[0].radius + groups[1].radius;
+        let is_enough = |n: &Vector3<f64>| -highest(1, -n) - highest(0, *n) >= gap * n.norm();
         let short = BITS.iter().map(|bits| rounded(&normal, *bits));
         short.chain([normal]).find(is_enough)
     }

@@ -15,8 +15,8 @@ use nalgebra::Vector3;
 use super::groups::{Group, Groups, direction};
 use super::number::{hex, hexes, rounded};
 use super::scene::{Body, Scene};
-use super::stated::Disc;
-use super::taylor::{Moving, Step, TERMS, constant, cross, dot, heights, least, place, pose};
+use super::stated::Ellipsoid;
+use super::taylor::{Moving, Step, TERMS, Taylor, constant, dot, heights, least, place, pose};
 use crate::extremes::Extremes;
 use crate::tolerance::RECEIPT;
 use lin_canny::RelativePose;
@@ -51,8 +51,7 @@ impl<'a> Mover<'a> {
         let points: Vec<Vector3<f64>> = body.points.iter().map(|p| p.coords).collect();
         let centre = body.centre();
         let squares = points.iter().map(|p| (p - centre).norm_squared());
-        // As a checker sees it: a disc is in a ball about its centre.
-        let wider = body.discs.iter().map(|disc| disc.radius).fold(0.0, f64::larger);
+        let wider = body.ellipsoids.iter().map(Ellipsoid::radius).fold(0.0, f64::larger);
         Self {
             steps,
             reach: squares.fold(0.0, f64::larger).sqrt() + wider,
@@ -254,9 +253,9 @@ impl PairJudge<'_> {
         until: f64,
         keep: f64,
     ) -> Option<Proof> {
-        let holds = |normal: &Vector3<f64>, spin: &Vector3<f64>| {
-            self.by_plane(groups, normal, spin, [from, until], self.kept(keep))
-        };
+        let kept = groups.map_or(self.kept(keep), |[x, y]| keep + x.radius + y.radius);
+        let holds =
+            |normal: &Vector3<f64>, spin: &Vector3<f64>| self.by_plane(groups, normal, spin, [from, until], kept);
         if !holds(&normal, &spin) {
             return None;
         }
@@ -279,8 +278,8 @@ impl PairJudge<'_> {
         kept: f64,
     ) -> bool {
         let [a, b] = match groups {
-            Some([x, y]) => [(&x.vertices, &x.discs), (&y.vertices, &y.discs)],
-            None => [self.a, self.b].map(|mover| (&mover.points, &mover.body.discs)),
+            Some([x, y]) => [(&x.vertices, &x.ellipsoids), (&y.vertices, &y.ellipsoids)],
+            None => [self.a, self.b].map(|mover| (&mover.points, &mover.body.ellipsoids)),
         };
         let span = until - from;
         let mut direction = constant(normal);
@@ -291,7 +290,7 @@ impl PairJudge<'_> {
             };
             direction = place(&[turn], normal, 0.0, span);
         }
-        let [high, low] = [(self.a, a, 1.0), (self.b, b, -1.0)].map(|(mover, (points, discs), sign)| {
+        let [high, low] = [(self.a, a, 1.0), (self.b, b, -1.0)].map(|(mover, (points, ellipsoids), sign)| {
             if let Some((_, offset)) = mover.body.half {
                 let at = pose(&mover.steps, from).translation.vector;
                 // The normal is that of the half-space, towards the other body.
@@ -300,7 +299,7 @@ impl PairJudge<'_> {
             let (m, o) = heights(&mover.steps, &direction, from, span);
             let (nets, base) = (m.each_ref().map(|part| part.net()), o.net());
             let off = o.rest + (0..3).map(|k| m[k].rest * mover.most[k]).sum::<f64>();
-            let wide: Vec<_> = discs.iter().map(|disc| (disc.at, half_heights(disc, &m))).collect();
+            let wide: Vec<_> = ellipsoids.iter().map(|of| (of.at, half_heights(of, &m))).collect();
             core::array::from_fn(|k| {
                 let slope = Vector3::new(nets[0][k], nets[1][k], nets[2][k]) * sign;
                 let highest = points.iter().map(|p| slope.dot(p));
@@ -314,14 +313,17 @@ impl PairJudge<'_> {
     }
 }
 
-/// Returns Bernstein coefficients of a polynomial that is no less than the half height of a disc, as a
+/// Returns Bernstein coefficients of a polynomial that is no less than the half height of an ellipsoid, as a
 /// checker sees it: lemma 13 there.
-fn half_heights(disc: &Disc, m: &Moving) -> [f64; TERMS] {
-    let way = cross(m, &constant(&disc.axis));
-    let square = dot(&way, &way);
+fn half_heights(of: &Ellipsoid, m: &Moving) -> [f64; TERMS] {
+    let squares = of.axes.iter().map(|axis| {
+        let way = dot(m, &constant(axis));
+        way.times(&way)
+    });
+    let square = squares.fold(Taylor::constant(0.0), |sum, square| sum.plus(&square));
     let net = square.net().map(|c| c + square.rest);
     let s = net.iter().copied().fold(f64::MIN_POSITIVE, f64::larger).sqrt();
-    net.map(|c| disc.radius * (c + s * s) / (2.0 * s))
+    net.map(|c| (c + s * s) / (2.0 * s))
 }
 
 /// Returns the proof of a certificate from a later time on.

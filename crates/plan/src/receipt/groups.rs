@@ -8,19 +8,23 @@ use std::sync::Arc;
 use nalgebra::{Point3, Vector3};
 
 use super::scene::Body;
-use super::stated::{Disc, half, hull_of};
+use super::stated::{Ellipsoid, half, hull_of};
 use crate::extremes::Extremes;
 use lin_canny::polyhedron::ConvexPolyhedron;
 use lin_canny::{ContactState, Geometry, PairTracker, RelativePose, Tracker};
 
 /// Some parts of a body: their hull, and which point of the body each of its vertices is.
+///
+/// With ellipsoids, the hull is nearly that of the parts, and its vertices have no numbers: it proposes, and proves nothing.
 #[derive(Debug)]
 pub(super) struct Group {
     pub(super) hull: Arc<ConvexPolyhedron>,
     pub(super) points: Vec<usize>,
     pub(super) vertices: Vec<Vector3<f64>>,
-    pub(super) discs: Vec<Disc>,
-    /// The body itself, if it is not the hull.
+    pub(super) ellipsoids: Vec<Ellipsoid>,
+    /// The greatest radius of the parts.
+    pub(super) radius: f64,
+    /// The body or the only part itself, if it is not the hull.
     curved: Option<Geometry>,
     /// Diagonal of the box.
     pub(super) size: f64,
@@ -31,15 +35,31 @@ impl Group {
         if body.parts.is_empty() {
             let all = Self::of_hull(body.hull.clone(), (0..body.points.len()).collect());
             return all.map(|all| Self {
-                discs: body.discs.clone(),
-                curved: body.curved.clone(),
+                ellipsoids: body.ellipsoids.clone(),
+                radius: body.radius,
+                curved: body.curved.first().cloned().flatten(),
                 ..all
             });
         }
+        let radius = body.radius_of([low, high]);
         let mut named: Vec<usize> = body.parts.get(low..high)?.iter().flatten().copied().collect();
         named.sort_unstable();
         named.dedup();
         let cloud: Vec<Point3<f64>> = named.iter().map(|k| body.points[*k]).collect();
+        let about = |of: &&Ellipsoid| named.binary_search(&of.centre).is_ok();
+        let ellipsoids: Vec<Ellipsoid> = body.ellipsoids.iter().filter(about).cloned().collect();
+        if !ellipsoids.is_empty() {
+            let samples = ellipsoids.iter().flat_map(Ellipsoid::samples);
+            let nearly: Vec<Point3<f64>> = cloud.iter().copied().chain(samples).collect();
+            let is_one = high == low + 1;
+            return Some(Self {
+                vertices: cloud.iter().map(|p| p.coords).collect(),
+                curved: is_one.then(|| body.curved.get(low).cloned().flatten()).flatten(),
+                ellipsoids,
+                radius,
+                ..Self::of_hull(Arc::new(hull_of(&nearly)?), Vec::new())?
+            });
+        }
         let hull = hull_of(&cloud)?;
         let mut numbers = BTreeMap::new();
         let key = |p: &Point3<f64>| [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
@@ -47,7 +67,8 @@ impl Group {
             numbers.entry(key(p)).or_insert(*k);
         }
         let points: Option<Vec<usize>> = hull.vertex_points().map(|p| numbers.get(&key(&p)).copied()).collect();
-        Self::of_hull(Arc::new(hull), points?)
+        let group = Self::of_hull(Arc::new(hull), points?);
+        group.map(|group| Self { radius, ..group })
     }
 
     fn of_hull(hull: Arc<ConvexPolyhedron>, points: Vec<usize>) -> Option<Self> {
@@ -60,7 +81,8 @@ impl Group {
             hull,
             points,
             vertices,
-            discs: Vec::new(),
+            ellipsoids: Vec::new(),
+            radius: 0.0,
             curved: None,
             size: (high - low).norm(),
         })
@@ -68,7 +90,7 @@ impl Group {
 }
 
 /// Returns the unit direction from the closest point of A to that of B in the frame of A, and an upper bound
-/// of the distance, if they are apart.
+/// of the distance without the radii, if they are apart.
 pub(super) fn direction([a, b]: [&Group; 2], relative: &RelativePose) -> Option<(Vector3<f64>, f64)> {
     let seen = match (&a.curved, &b.curved) {
         (None, None) => Tracker::new().closest(&a.hull, &b.hull, relative),
@@ -81,7 +103,8 @@ pub(super) fn direction([a, b]: [&Group; 2], relative: &RelativePose) -> Option<
             PairTracker::new().closest(&whole(a), &whole(b), relative).outcome
         }
     };
-    (seen.state == ContactState::Separated).then(|| (seen.normal.into_inner(), seen.upper))
+    let radii = [a, b].map(|of| if of.curved.is_some() { of.radius } else { 0.0 });
+    (seen.state == ContactState::Separated).then(|| (seen.normal.into_inner(), seen.upper + radii[0] + radii[1]))
 }
 
 /// The groups of a body that were made already.

@@ -50,10 +50,9 @@
 //!
 //! # What has no receipt
 //!
-//! * Ellipsoids, Bézier surfaces, and half-spaces that move.
-//! * Depths. Contacts and distances of cylinders, cones and half-spaces, because no points of them are stated,
-//!   and of bodies that are stated larger: pieces of a compound or a cloud with different radii get the
-//!   greatest one, and curved pieces polyhedra of 32 to 2,048 sides. The name says by how much.
+//! * Bézier surfaces, and half-spaces that move.
+//! * Depths. Contacts and distances of cylinders, cones, ellipsoids, compounds with such a piece, and
+//!   half-spaces: no points of their surfaces are stated.
 //! * A mesh that holds another body inside, without contact of their surfaces.
 //! * Tubes, moving obstacles, and motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]).
 //! * Undecided answers.
@@ -72,7 +71,7 @@
 //! * A mesh is stated as its triangles, and a closed one as a solid. A receipt proves that surfaces
 //!   stay apart. It proves that no body is inside the other if the hulls are apart at one time; or
 //!   else a checker says that it did not look at this. A distance is that of the surfaces.
-//! * A piece of a compound is stated by its vertices in the frame of the body, which are rounded.
+//! * A piece of a compound is stated by its vertices and semi-axes in the frame of the body, which are rounded.
 //! * Pairs that are excluded, that keep their relative pose, or whose contact at the start was accepted
 //!   are listed with the reason. Pairs of two bodies that rest are not looked at, except for a contact.
 //!

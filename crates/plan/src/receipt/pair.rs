@@ -8,7 +8,6 @@ use super::contact::{contact, meeting, missing};
 use super::distance::distance;
 use super::error::ReceiptError;
 use super::scene::{Body, Scene, SteadyWay, Way};
-use super::stated::SIDES;
 use super::{Claim, Leg, Receipt, Wanted, apart};
 use lin_canny::impact::{Impact, Tolerance, cast_with_certificates};
 use lin_canny::motion::Steady;
@@ -68,7 +67,7 @@ impl Receipt {
                 true => Way::Rests(way.start()),
                 false => Way::Steady(way),
             };
-            scene.bodies.push(Body::new(name, geometry, way, SIDES[0])?);
+            scene.bodies.push(Body::new(name, geometry, way)?);
         }
         let mut certificates = Vec::new();
         let mut tracker = PairTracker::new();
@@ -137,7 +136,7 @@ impl Receipt {
         let mut scene = Scene::default();
         let poses = [Isometry3::identity(), *b_in_a];
         for ((name, geometry), at) in bodies.iter().zip(poses) {
-            scene.bodies.push(Body::new(name, geometry, Way::Rests(at), SIDES[0])?);
+            scene.bodies.push(Body::new(name, geometry, Way::Rests(at))?);
         }
         let line = match outcome.state {
             ContactState::Separated => RelativePose::from_isometry(b_in_a)

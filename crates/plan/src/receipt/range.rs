@@ -16,7 +16,7 @@ use super::groups::{Group, Groups, direction};
 use super::number::{hex, hexes, rounded};
 use super::scene::{Ignored, Scene, Way};
 use super::segment::{EXCLUDED, Stated};
-use super::stated::{Disc, SIDES, half};
+use super::stated::{Ellipsoid, half};
 use super::{Claim, Leg, Receipt};
 use crate::check::checker::Checker;
 use crate::error::PlanError;
@@ -82,7 +82,7 @@ impl Receipt {
         }
         let [low, high] = [0, 1].map(|k| range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
         let segment = checker.segment(&low, &high)?;
-        let mut stated = Stated::new(checker, &segment, SIDES[0])?;
+        let mut stated = Stated::new(checker, &segment)?;
         let known: BTreeMap<CellPair, &RangeAnswer> = answers.iter().map(|answer| (answer.pair, answer)).collect();
         let excluded = |ignored: &Ignored| ignored.why == EXCLUDED;
         let (others, rigid): (Vec<_>, Vec<_>) = core::mem::take(&mut stated.scene.ignored)
@@ -176,7 +176,8 @@ struct Divided<'a> {
     /// The links between the bodies, and for each the steps from both bodies.
     links: Vec<(usize, [Hops; 2])>,
     groups: [Groups<'a>; 2],
-    kept: f64,
+    /// The distance that a pair must keep.
+    keep: f64,
     room: f64,
     left: u64,
     cuts: Vec<String>,
@@ -205,7 +206,7 @@ impl Divided<'_> {
             links: links.collect(),
             groups: [a, b].map(Groups::new),
             scene,
-            kept: keep + a.radius + b.radius,
+            keep,
             room: RECEIPT * scene.size(),
             sides,
             left: cells,
@@ -281,6 +282,7 @@ impl Divided<'_> {
     fn plane(&self, cell: &[[f64; 2]], groups: [&Group; 2], ways: &mut [f64]) -> Option<Result<String, ()>> {
         let middle: Vec<f64> = cell.iter().map(|[low, high]| 0.5 * low + 0.5 * high).collect();
         let half: Vec<f64> = cell.iter().map(|[low, high]| 0.5 * high - 0.5 * low).collect();
+        let kept = self.keep + groups[0].radius + groups[1].radius;
         // In the frame of link 0, the first of the list.
         let [x, y] = [0, 1].map(|k| pose(&self.links[0].1[k], &middle));
         let relative = RelativePose::new(&x, &y).ok()?;
@@ -290,7 +292,7 @@ impl Divided<'_> {
             Some((_, normal)) => y.rotation * -normal,
             None => {
                 let (normal, upper) = direction(groups, &relative)?;
-                if !(upper > self.kept) {
+                if !(upper > kept) {
                     return None;
                 }
                 x.rotation * normal
@@ -308,7 +310,7 @@ impl Divided<'_> {
             }
         }
         let (gap, link, n) = best?;
-        if !(gap > (self.kept + self.room) * n.norm()) {
+        if !(gap > (kept + self.room) * n.norm()) {
             return Some(Err(()));
         }
         if floor.is_some() {
@@ -319,7 +321,7 @@ impl Divided<'_> {
             let mut none = vec![0.0; half.len()];
             let [high, low] =
                 [0, 1].map(|k| self.sides[k].height(groups[k], &steps[k], [0.0, 1.0][k], n, &middle, &half, &mut none));
-            -low - high > (self.kept + self.room) * n.norm()
+            -low - high > (kept + self.room) * n.norm()
         });
         let normal = hexes(few.unwrap_or(n).as_slice());
         Some(Ok(format!(",\"link\":{link},\"normal\":{normal}")))
@@ -335,7 +337,7 @@ impl Side {
             [low.zip_map(p, f64::smaller), high.zip_map(p, f64::larger)]
         });
         let middle = 0.5 * low + 0.5 * high;
-        let wider = body.discs.iter().map(|disc| disc.radius).fold(0.0, f64::larger);
+        let wider = body.ellipsoids.iter().map(Ellipsoid::radius).fold(0.0, f64::larger);
         let round = points.iter().map(|p| (p - middle).norm()).fold(0.0, f64::larger) + wider;
         let (link, own) = match &body.way {
             Way::Rests(at) => (None, *at),
@@ -420,16 +422,16 @@ impl Side {
                 }
             }
         }
-        let height = |p: &Vector3<f64>, disc: Option<&Disc>| {
-            let wider = |m| disc.map_or(0.0, |disc| disc.half_height(m));
+        let height = |p: &Vector3<f64>, ellipsoid: Option<&Ellipsoid>| {
+            let wider = |m| ellipsoid.map_or(0.0, |ellipsoid| ellipsoid.half_height(m));
             let slopes = rows[1..]
                 .iter()
                 .map(|(c, m, o)| half[*c] * ((m.dot(p) + o).abs() + wider(m)));
             rows[0].1.dot(p) + rows[0].2 + wider(&rows[0].1) + slopes.sum::<f64>()
         };
         let points = group.vertices.iter().map(|p| height(p, None));
-        let discs = group.discs.iter().map(|disc| height(&disc.at, Some(disc)));
-        let most = points.chain(discs).fold(f64::NEG_INFINITY, f64::larger);
+        let wide = group.ellipsoids.iter().map(|of| height(&of.at, Some(of)));
+        let most = points.chain(wide).fold(f64::NEG_INFINITY, f64::larger);
         most + n.norm() * rest
     }
 }

@@ -8,8 +8,9 @@ use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 use super::error::ReceiptError;
 use super::number::{hex, hexes};
-use super::stated::{Disc, StatedHull, StatedParts, hull_of};
+use super::stated::{Ellipsoid, StatedHull, StatedParts, hull_of};
 use super::taylor::Step;
+use crate::extremes::Extremes;
 use crate::motion::joint::JointKind;
 use crate::motion::joint::TreeJoint;
 use crate::motion::space::JointPath;
@@ -53,15 +54,16 @@ pub(super) struct Body {
     pub(super) is_solid: bool,
     /// The hull of the points; of a body without parts it has the same points.
     pub(super) hull: Arc<ConvexPolyhedron>,
-    /// The discs at the ends of a cylinder or a cone.
-    pub(super) discs: Vec<Disc>,
+    /// The ellipsoids about points: of the body, or of the parts that have the points.
+    pub(super) ellipsoids: Vec<Ellipsoid>,
     /// Normal and offset of a half-space; its only point is the origin.
     pub(super) half: Option<(Vector3<f64>, f64)>,
-    /// The body itself, if it is not the hull of its points.
-    pub(super) curved: Option<Geometry>,
+    /// The body or each of its parts itself, if it is not the hull of its points; empty if all are.
+    pub(super) curved: Vec<Option<Geometry>>,
+    /// The radius of each part; empty if all have that of the body.
+    pub(super) radii: Vec<f64>,
+    /// The greatest radius of a part.
     pub(super) radius: f64,
-    /// What the parts are, if they are larger than the body.
-    pub(super) around: Option<String>,
     pub(super) way: Way,
 }
 
@@ -86,24 +88,23 @@ pub(super) struct SteadyWay {
 }
 
 impl Body {
-    /// States a body. Curved pieces of a compound get polyhedra of so many sides.
-    pub(super) fn new(name: &str, geometry: &Geometry, way: Way, sides: usize) -> Result<Self, ReceiptError> {
+    pub(super) fn new(name: &str, geometry: &Geometry, way: Way) -> Result<Self, ReceiptError> {
         let refused = || ReceiptError::Body {
             name: name.into(),
             kind: geometry.kind(),
         };
-        let of_pieces = |compound: &Compound| StatedParts::of_compound(compound, sides).ok_or_else(refused);
+        let of_pieces = |compound: &Compound| StatedParts::of_compound(compound).ok_or_else(refused);
         let mut body = Self {
             name: name.into(),
             points: vec![Point3::origin()],
             parts: Vec::new(),
             is_solid: false,
             hull: Arc::new(ConvexPolyhedron::point(Point3::origin()).map_err(|_| refused())?),
-            discs: Vec::new(),
+            ellipsoids: Vec::new(),
             half: None,
-            curved: None,
+            curved: Vec::new(),
+            radii: Vec::new(),
             radius: 0.0,
-            around: None,
             way,
         };
         let stated = match geometry {
@@ -115,22 +116,38 @@ impl Body {
             Geometry::Compound(compound) => of_pieces(compound)?,
             Geometry::Cloud(cloud) => of_pieces(&cloud.to_compound().map_err(|_| refused())?)?,
             _ => {
-                let StatedHull { hull, discs, radius } = StatedHull::new(geometry).ok_or_else(refused)?;
-                body.points = hull.vertex_points().collect();
-                body.curved = (!discs.is_empty()).then(|| geometry.clone());
-                (body.hull, body.discs, body.radius) = (hull, discs, radius);
+                let stated = StatedHull::new(geometry).ok_or_else(refused)?;
+                body.points = stated.hull.vertex_points().collect();
+                if !stated.ellipsoids.is_empty() {
+                    body.curved = vec![Some(geometry.clone())];
+                }
+                (body.hull, body.ellipsoids, body.radius) = (stated.hull, stated.ellipsoids, stated.radius);
                 return body.checked();
             }
         };
         body.hull = Arc::new(hull_of(&stated.points).ok_or_else(refused)?);
         (body.points, body.parts, body.is_solid) = (stated.points, stated.parts, stated.is_solid);
-        (body.radius, body.around) = (stated.radius, stated.around);
+        (body.ellipsoids, body.curved) = (stated.ellipsoids, stated.curved);
+        let [least, most] = stated
+            .radii
+            .iter()
+            .fold([f64::INFINITY, 0.0], |[low, high], r| [r.smaller(low), r.larger(high)]);
+        body.radius = most;
+        if least < most {
+            body.radii = stated.radii;
+        }
         body.checked()
     }
 
     /// Returns why a line names points of the body as a contact or a distance of it, if they are none.
     pub(super) fn has_no_points(&self) -> bool {
-        self.around.is_some() || self.curved.is_some() || self.half.is_some()
+        !self.ellipsoids.is_empty() || self.half.is_some()
+    }
+
+    /// Returns the greatest radius of some parts.
+    pub(super) fn radius_of(&self, [low, high]: [usize; 2]) -> f64 {
+        let some = self.radii.get(low..high).into_iter().flatten().copied();
+        some.reduce(f64::larger).unwrap_or(self.radius)
     }
 
     /// Refuses a body with too many points or parts.
@@ -154,14 +171,6 @@ impl Body {
         }
     }
 
-    /// Returns the name, and what the polyhedron is if it is larger than the body.
-    fn shown(&self) -> String {
-        match &self.around {
-            Some(around) => format!("{} ({around})", self.name),
-            None => self.name.clone(),
-        }
-    }
-
     fn line(&self, number: usize) -> String {
         let points = self.points.iter().map(|p| hexes(p.coords.as_slice()));
         let points: Vec<String> = points.collect();
@@ -169,14 +178,14 @@ impl Body {
             Some((normal, offset)) => format!("\"half\":[{},\"{}\"]", hexes(normal.as_slice()), hex(*offset)),
             None => format!("\"points\":[{}]", points.join(",")),
         };
-        let mut text = format!("{{\"body\":{number},\"name\":\"{}\",{form}", plain(&self.shown()));
-        if !self.discs.is_empty() {
-            let disc = |disc: &Disc| {
-                let axis = hexes(disc.axis.as_slice());
-                format!("[{},{axis},\"{}\"]", disc.centre, hex(disc.radius))
+        let mut text = format!("{{\"body\":{number},\"name\":\"{}\",{form}", plain(&self.name));
+        if !self.ellipsoids.is_empty() {
+            let ellipsoid = |of: &Ellipsoid| {
+                let axes: Vec<String> = of.axes.iter().map(|v| hexes(v.as_slice())).collect();
+                format!("[{},[{}]]", of.centre, axes.join(","))
             };
-            let discs: Vec<String> = self.discs.iter().map(disc).collect();
-            text += &format!(",\"discs\":[{}]", discs.join(","));
+            let all: Vec<String> = self.ellipsoids.iter().map(ellipsoid).collect();
+            text += &format!(",\"ellipsoids\":[{}]", all.join(","));
         }
         if !self.parts.is_empty() {
             let parts: Vec<String> = self.parts.iter().map(|part| list(part)).collect();
@@ -184,7 +193,9 @@ impl Body {
             text += &format!(",\"{key}\":[{}]", parts.join(","));
         }
         // Writing to a text never fails.
-        if self.radius > 0.0 {
+        if !self.radii.is_empty() {
+            let _ = write!(text, ",\"radii\":{}", hexes(&self.radii));
+        } else if self.radius > 0.0 {
             let _ = write!(text, ",\"radius\":\"{}\"", hex(self.radius));
         }
         let _ = match &self.way {
@@ -353,7 +364,7 @@ impl Scene {
             .for_each(|joint| take(&joint.origin.translation.vector));
         for body in &self.bodies {
             body.points.iter().for_each(|p| take(&p.coords));
-            body.discs.iter().for_each(|disc| take(&Vector3::repeat(disc.radius)));
+            body.ellipsoids.iter().flat_map(|of| &of.axes).for_each(&mut take);
             body.half.iter().for_each(|half| take(&Vector3::repeat(half.1)));
             match &body.way {
                 Way::Rests(at) | Way::Link(_, Some(at)) => take(&at.translation.vector),

@@ -7,7 +7,6 @@ use nalgebra::Isometry3;
 use super::contact::{contact, meeting};
 use super::error::ReceiptError;
 use super::scene::{Body, Ignored, Scene, SteadyWay, Way};
-use super::stated::SIDES;
 use super::{Claim, Leg, Receipt, Wanted, apart};
 use crate::check::certify::{Certified, CertifyOptions, PairProof};
 use crate::check::checker::Checker;
@@ -109,19 +108,12 @@ impl Receipt {
             Verdict::Undecided { free_until, .. } => return Err(ReceiptError::Undecided { time: *free_until }),
         };
         let mut receipt = Err(ReceiptError::Nothing);
-        for sides in SIDES {
-            let mut stated = Stated::of_motion(checker, motion, sides)?;
-            stated.leave_out(leaving);
-            let has_sides = stated.scene.bodies.iter().any(|body| body.around.is_some());
-            // Close to a contact the evidence may be within rounding: then it ends earlier.
-            for part in [1.0, 1023.0 / 1024.0, 0.5, 0.0] {
-                receipt = Self::proven(checker, motion, found, &stated, part * until, blocked);
-                if blocked.is_none() || !matches!(receipt, Err(ReceiptError::Pair { .. })) {
-                    break;
-                }
-            }
-            // Polyhedra around curved pieces may be too large for the evidence.
-            if !(has_sides && matches!(receipt, Err(ReceiptError::Pair { .. }))) {
+        let mut stated = Stated::of_motion(checker, motion)?;
+        stated.leave_out(leaving);
+        // Close to a contact the evidence may be within rounding: then it ends earlier.
+        for part in [1.0, 1023.0 / 1024.0, 0.5, 0.0] {
+            receipt = Self::proven(checker, motion, found, &stated, part * until, blocked);
+            if blocked.is_none() || !matches!(receipt, Err(ReceiptError::Pair { .. })) {
                 break;
             }
         }
@@ -187,7 +179,7 @@ impl Receipt {
     /// # Errors
     /// Returns an error as [`certified`](Self::certified) does, but for verdicts.
     pub fn scene<C: ConfigurationSpace>(checker: &Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
-        let stated = Stated::of_motion(checker, motion, SIDES[0])?;
+        let stated = Stated::of_motion(checker, motion)?;
         stated.check_legs(motion.pieces())?;
         let legs = match stated.scene.is_driven() {
             true => motion.pieces(),
@@ -213,29 +205,25 @@ impl Leg {
 }
 
 impl Stated {
-    pub(super) fn new<C: ConfigurationSpace>(
-        checker: &Checker<C>,
-        segment: &C::Segment,
-        sides: usize,
-    ) -> Result<Self, ReceiptError> {
+    pub(super) fn new<C: ConfigurationSpace>(checker: &Checker<C>, segment: &C::Segment) -> Result<Self, ReceiptError> {
         let cell = &checker.cell;
         let (mut scene, mut ids) = (Scene::default(), Vec::new());
         let identity = Isometry3::identity();
         for (k, (name, geometry)) in cell.robot_bodies().enumerate() {
-            add(&mut scene, checker, segment, (name, geometry), k, &identity, sides)?;
+            add(&mut scene, checker, segment, (name, geometry), k, &identity)?;
             ids.push(CellBody::Robot(k));
         }
         for (id, object) in cell.attached() {
             let body = cell.body_of(object.frame);
             let named = (object.name.as_str(), &object.geometry);
-            add(&mut scene, checker, segment, named, body, &object.pose, sides)?;
+            add(&mut scene, checker, segment, named, body, &object.pose)?;
             ids.push(id);
         }
         for (k, obstacle) in cell.obstacles.iter().enumerate() {
             let Some((name, geometry, pose)) = obstacle else {
                 continue;
             };
-            scene.bodies.push(Body::new(name, geometry, Way::Rests(*pose), sides)?);
+            scene.bodies.push(Body::new(name, geometry, Way::Rests(*pose))?);
             ids.push(CellBody::Obstacle(k));
         }
         scene.settle();
@@ -250,17 +238,13 @@ impl Stated {
     }
 
     /// Returns the bodies of a motion.
-    fn of_motion<C: ConfigurationSpace>(
-        checker: &Checker<C>,
-        motion: &JointMotion,
-        sides: usize,
-    ) -> Result<Self, ReceiptError> {
+    fn of_motion<C: ConfigurationSpace>(checker: &Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
         if motion.tube != Tube::None {
             return Err(ReceiptError::Tube);
         }
         checker.cell.check_at_rest()?;
         let first = checker.moved(motion, 0)?;
-        Self::new(checker, &first, sides)
+        Self::new(checker, &first)
     }
 
     /// Refuses several legs of bodies whose motion is stated once, as that along the first.
@@ -358,7 +342,6 @@ fn add<C: ConfigurationSpace>(
     (name, geometry): (&str, &Geometry),
     body: usize,
     at: &Isometry3<f64>,
-    sides: usize,
 ) -> Result<(), ReceiptError> {
     let refused = |why: &'static str| {
         let name = name.into();
@@ -376,6 +359,6 @@ fn add<C: ConfigurationSpace>(
         }
         (None, None) => return Err(refused("its space states neither joints nor constant velocities")),
     };
-    scene.bodies.push(Body::new(name, geometry, way, sides)?);
+    scene.bodies.push(Body::new(name, geometry, way)?);
     Ok(())
 }

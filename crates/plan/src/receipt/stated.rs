@@ -1,198 +1,204 @@
-//! What is stated of a body in a receipt: its points and discs, or the parts of a body that is not convex.
+//! What is stated of a body in a receipt: its points and ellipsoids, and the parts of a body that is not convex.
 //!
 //! Parts are triangles of a mesh or pieces of a compound or a cloud, in the order of a tree. A part is the
-//! hull of some points of the body. Parts are sorted so that those with numbers in a range, halved as
-//! often as one likes, are near each other: evidence names parts by such ranges.
+//! hull of some points of the body and of the ellipsoids about them, rounded by a radius. Parts are sorted so
+//! that those with numbers in a range, halved as often as one likes, are near each other: evidence names parts
+//! by such ranges.
 
-use core::f64::consts::PI;
 use std::sync::Arc;
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::extremes::Extremes;
-use lin_canny::polyhedron::{ConvexPolyhedron, solids};
+use lin_canny::polyhedron::ConvexPolyhedron;
 use lin_canny::shape::Core;
-use lin_canny::{Compound, Geometry, Mesh, MeshKind, Shape};
+use lin_canny::{Compound, Geometry, Mesh, MeshKind, Piece, Shape};
 
-/// Numbers of sides of polyhedra around the cylinders and cones of a compound, few first. They exceed the
-/// radius by 5e-3, 8e-5 and 1e-6 of it.
-pub(super) const SIDES: [usize; 3] = [32, 256, 2048];
+/// Directions along which points of an ellipsoid are taken, for a hull that is nearly the body.
+const SIDES: u32 = 16;
 
-/// Factor by which the radius grows, more than the vertices round.
-const GROWN: f64 = 1.0 + 16.0 * f64::EPSILON;
-
-/// A disc about a point of a body, perpendicular to an axis.
+/// An ellipsoid about a point of a body, or an ellipse, which is one with two semi-axes.
 #[derive(Clone, Debug)]
-pub(super) struct Disc {
+pub(super) struct Ellipsoid {
     /// The number of the point.
     pub(super) centre: usize,
     pub(super) at: Vector3<f64>,
-    /// A unit vector.
-    pub(super) axis: Vector3<f64>,
-    pub(super) radius: f64,
+    pub(super) axes: Vec<Vector3<f64>>,
 }
 
-impl Disc {
-    /// Returns the disc of a shape whose axis is z.
-    fn new(centre: usize, z: f64, radius: f64) -> Self {
-        let [at, axis] = [Vector3::new(0.0, 0.0, z), Vector3::z()];
-        Self {
-            centre,
-            at,
-            axis,
-            radius,
-        }
-    }
-
-    /// Half of the height of the disc along a direction.
+impl Ellipsoid {
+    /// Half of the height of the ellipsoid along a direction.
     pub(super) fn half_height(&self, m: &Vector3<f64>) -> f64 {
-        self.radius * m.cross(&self.axis).norm()
+        let heights = self.axes.iter().map(|v| m.dot(v));
+        heights.map(|height| height * height).sum::<f64>().sqrt()
+    }
+
+    /// Returns the radius of a ball around it, as a checker sees it: lemma 13 there.
+    pub(super) fn radius(&self) -> f64 {
+        let row = |u: &Vector3<f64>| self.axes.iter().map(|v| u.dot(v).abs()).sum::<f64>();
+        self.axes.iter().map(row).fold(0.0, f64::larger).sqrt()
+    }
+
+    /// Returns points of its surface.
+    pub(super) fn samples(&self) -> Vec<Point3<f64>> {
+        let mut samples = Vec::new();
+        for (k, u) in self.axes.iter().enumerate() {
+            for v in &self.axes[k + 1..] {
+                for side in 0..SIDES {
+                    let (sin, cos) = libm::sincos(core::f64::consts::TAU * f64::from(side) / f64::from(SIDES));
+                    samples.push(Point3::from(self.at + u * cos + v * sin));
+                }
+            }
+        }
+        samples
     }
 }
 
-/// A convex body: the hull of points and discs, rounded by a radius.
+/// A convex body: the hull of points and ellipsoids, rounded by a radius.
 pub(super) struct StatedHull {
     /// The hull of the points.
     pub(super) hull: Arc<ConvexPolyhedron>,
-    pub(super) discs: Vec<Disc>,
+    pub(super) ellipsoids: Vec<Ellipsoid>,
     pub(super) radius: f64,
 }
 
 impl StatedHull {
-    /// Returns points and discs of a body; `None` if it has another form.
+    /// Returns points and ellipsoids of a body; `None` if it has another form.
     pub(super) fn new(geometry: &Geometry) -> Option<Self> {
-        let shape = match geometry {
-            Geometry::Polyhedron(hull) => {
-                let hull = hull.clone();
-                let (discs, radius) = (Vec::new(), 0.0);
-                return Some(Self { hull, discs, radius });
-            }
-            Geometry::Convex(shape) => shape,
-            _ => return None,
-        };
+        match geometry {
+            Geometry::Polyhedron(hull) => Some(Self {
+                hull: hull.clone(),
+                ellipsoids: Vec::new(),
+                radius: 0.0,
+            }),
+            Geometry::Convex(shape) => Self::of_shape(shape),
+            _ => None,
+        }
+    }
+
+    fn of_shape(shape: &Shape) -> Option<Self> {
         let axis = |h: f64| ConvexPolyhedron::segment(Point3::new(0.0, 0.0, -h), Point3::new(0.0, 0.0, h));
+        let disc = |z: f64, r: f64| (z, vec![r * Vector3::x(), r * Vector3::y()]);
         let (hull, ends) = match shape.core() {
             Core::Polyhedron(hull) => (hull.clone(), Vec::new()),
             Core::Cylinder(core) => {
                 let (h, r) = (core.half_height(), core.radius());
-                (Arc::new(axis(h).ok()?), vec![(-h, r), (h, r)])
+                (Arc::new(axis(h).ok()?), vec![disc(-h, r), disc(h, r)])
             }
             Core::Cone(core) => {
                 let (h, r) = (core.half_height(), core.radius());
-                (Arc::new(axis(h).ok()?), vec![(-h, r)])
+                (Arc::new(axis(h).ok()?), vec![disc(-h, r)])
+            }
+            Core::Ellipsoid(core) => {
+                let origin = ConvexPolyhedron::point(Point3::origin()).ok()?;
+                let axes = core.semi_axes();
+                let axes = (0..3).map(|k| Vector3::ith(k, axes[k])).collect();
+                (Arc::new(origin), vec![(0.0, axes)])
             }
             _ => return None,
         };
-        let number = |z: f64| hull.vertex_points().position(|p| p.z == z);
-        let discs = ends.iter().map(|(z, r)| Some(Disc::new(number(*z)?, *z, *r)));
+        let ellipsoid = |(z, axes): (f64, Vec<Vector3<f64>>)| {
+            let centre = hull.vertex_points().position(|p| p.z == z)?;
+            let at = Vector3::new(0.0, 0.0, z);
+            Some(Ellipsoid { centre, at, axes })
+        };
         Some(Self {
-            discs: discs.collect::<Option<_>>()?,
+            ellipsoids: ends.into_iter().map(ellipsoid).collect::<Option<_>>()?,
             radius: shape.rounding_radius(),
             hull,
         })
     }
 }
 
-/// Returns the points of a piece and its radius, and by how much a polyhedron exceeds a curved one;
-/// `None` if there is no polyhedron around it.
-fn around_piece(shape: &Shape, sides: usize) -> Option<(Arc<ConvexPolyhedron>, f64, f64)> {
-    let outer = |radius: f64| radius / libm::cos(PI / sides as f64) * GROWN;
-    let (hull, excess) = match shape.core() {
-        Core::Polyhedron(hull) => (hull.clone(), 0.0),
-        Core::Cylinder(core) => {
-            let radius = outer(core.radius());
-            let hull = solids::prism(sides, core.half_height(), radius).ok();
-            let hull = hull.filter(|hull| hull.vertex_count() == 2 * sides);
-            (Arc::new(hull?), radius - core.radius())
-        }
-        Core::Cone(core) => {
-            let radius = outer(core.radius());
-            let hull = solids::cone(sides, core.half_height(), radius).ok();
-            let hull = hull.filter(|hull| hull.vertex_count() == sides + 1);
-            (Arc::new(hull?), radius - core.radius())
-        }
-        _ => return None,
-    };
-    Some((hull, shape.rounding_radius(), excess))
+/// A part of a body that is not convex.
+#[derive(Clone, Debug)]
+struct Part {
+    points: Vec<usize>,
+    radius: f64,
+    /// The part itself, if it is not the hull of its points.
+    curved: Option<Geometry>,
 }
 
 /// The points and the parts of a body that is not convex.
 #[derive(Clone, Debug)]
 pub(super) struct StatedParts {
     pub(super) points: Vec<Point3<f64>>,
+    pub(super) ellipsoids: Vec<Ellipsoid>,
+    /// The points of each part.
     pub(super) parts: Vec<Vec<usize>>,
+    pub(super) radii: Vec<f64>,
+    /// Each part itself, if it is not the hull of its points; empty if all are.
+    pub(super) curved: Vec<Option<Geometry>>,
     /// The parts are triangles, and what they enclose belongs to the body.
     pub(super) is_solid: bool,
-    pub(super) radius: f64,
-    /// What the parts are, if they are larger than the body.
-    pub(super) around: Option<String>,
 }
 
 impl StatedParts {
     pub(super) fn of_mesh(mesh: &Mesh) -> Self {
-        let triangles = mesh.triangle_vertices().into_iter();
-        let stated = Self {
-            points: mesh.vertices(),
-            parts: triangles.map(|t| t.map(|k| k as usize).to_vec()).collect(),
-            is_solid: mesh.kind() == MeshKind::Solid,
+        let part = |t: [u32; 3]| Part {
+            points: t.map(|k| k as usize).to_vec(),
             radius: 0.0,
-            around: None,
+            curved: None,
         };
-        stated.sorted()
+        let parts = mesh.triangle_vertices().into_iter().map(part).collect();
+        Self::sorted(mesh.vertices(), Vec::new(), parts, mesh.kind() == MeshKind::Solid)
     }
 
-    /// Returns the pieces, or `None` if one has no polyhedron around it. All pieces get the greatest
-    /// radius.
-    pub(super) fn of_compound(compound: &Compound, sides: usize) -> Option<Self> {
-        let (mut points, mut parts, mut radii, mut excess) = (Vec::new(), Vec::new(), Vec::new(), 0.0f64);
+    /// Returns the pieces, or `None` if one has no form in a receipt.
+    pub(super) fn of_compound(compound: &Compound) -> Option<Self> {
+        let (mut points, mut ellipsoids, mut parts) = (Vec::new(), Vec::new(), Vec::new());
         for piece in compound.pieces() {
-            let (hull, radius, more) = around_piece(&piece.shape, sides)?;
-            let first = points.len();
-            points.extend(hull.vertex_points().map(|p| piece.pose * p));
-            parts.push((first..points.len()).collect());
-            radii.push(radius);
-            excess = excess.larger(more);
+            let stated = StatedHull::of_shape(&piece.shape)?;
+            let (first, pose): (usize, &Isometry3<f64>) = (points.len(), &piece.pose);
+            points.extend(stated.hull.vertex_points().map(|p| pose * p));
+            parts.push(Part {
+                points: (first..points.len()).collect(),
+                radius: stated.radius,
+                curved: (!stated.ellipsoids.is_empty()).then(|| alone(piece)).flatten(),
+            });
+            ellipsoids.extend(stated.ellipsoids.into_iter().map(|of| Ellipsoid {
+                centre: first + of.centre,
+                at: points[first + of.centre].coords,
+                axes: of.axes.iter().map(|v| pose.rotation * v).collect(),
+            }));
         }
-        let [least, radius] = radii
-            .iter()
-            .fold([f64::INFINITY, 0.0], |[low, high], r| [r.smaller(low), r.larger(high)]);
-        let around = match (excess > 0.0, radius > least) {
-            (false, false) => None,
-            (true, false) => Some(format!(
-                "curved pieces in polyhedra of {sides} sides, at most {excess:.1e} larger"
-            )),
-            (_, true) => {
-                let excess = excess + (radius - least);
-                Some(format!(
-                    "all pieces with the greatest radius, at most {excess:.1e} larger"
-                ))
-            }
-        };
-        let stated = Self {
-            points,
-            parts,
-            is_solid: false,
-            radius,
-            around,
-        };
-        Some(stated.sorted())
+        Some(Self::sorted(points, ellipsoids, parts, false))
     }
 
-    fn sorted(mut self) -> Self {
-        let middle = |part: &Vec<usize>| {
-            let sum: Vector3<f64> = part.iter().map(|k| self.points[*k].coords).sum();
-            sum / part.len() as f64
+    fn sorted(points: Vec<Point3<f64>>, ellipsoids: Vec<Ellipsoid>, parts: Vec<Part>, is_solid: bool) -> Self {
+        let middle = |part: &Part| {
+            let sum: Vector3<f64> = part.points.iter().map(|k| points[*k].coords).sum();
+            sum / part.points.len() as f64
         };
-        let mut middles: Vec<(Vector3<f64>, Vec<usize>)> =
-            self.parts.into_iter().map(|part| (middle(&part), part)).collect();
-        sort(&mut middles);
-        self.parts = middles.into_iter().map(|x| x.1).collect();
-        self
+        let mut parts: Vec<(Vector3<f64>, Part)> = parts.into_iter().map(|part| (middle(&part), part)).collect();
+        sort(&mut parts);
+        let mut stated = Self {
+            points,
+            ellipsoids,
+            parts: Vec::new(),
+            radii: Vec::new(),
+            curved: Vec::new(),
+            is_solid,
+        };
+        for (_, part) in parts {
+            stated.parts.push(part.points);
+            stated.radii.push(part.radius);
+            stated.curved.push(part.curved);
+        }
+        if stated.ellipsoids.is_empty() {
+            stated.curved.clear();
+        }
+        stated
     }
 }
 
+/// Returns a piece as a body of its own.
+fn alone(piece: &Piece) -> Option<Geometry> {
+    Compound::new(vec![piece.clone()]).ok().map(Geometry::from)
+}
+
 /// Sorts parts such that the lower and the upper half are apart along the longest axis, and so on.
-fn sort(parts: &mut [(Vector3<f64>, Vec<usize>)]) {
+fn sort(parts: &mut [(Vector3<f64>, Part)]) {
     if parts.len() < 2 {
         return;
     }
@@ -203,7 +209,9 @@ fn sort(parts: &mut [(Vector3<f64>, Vec<usize>)]) {
     let axis = (high - low).imax();
     let middle = half([0, parts.len()]);
     parts.select_nth_unstable_by(middle, |x, y| {
-        x.0[axis].total_cmp(&y.0[axis]).then_with(|| x.1.cmp(&y.1))
+        x.0[axis]
+            .total_cmp(&y.0[axis])
+            .then_with(|| x.1.points.cmp(&y.1.points))
     });
     let (lower, upper) = parts.split_at_mut(middle);
     sort(lower);
@@ -227,54 +235,4 @@ pub(super) fn hull_of(cloud: &[Point3<f64>]) -> Option<ConvexPolyhedron> {
 /// Returns where a range of parts is cut.
 pub(super) fn half([low, high]: [usize; 2]) -> usize {
     low + (high - low) / 2
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::Vector3;
-    use std::vec::Vec;
-
-    /// Support heights of the polyhedron are those of the body or more, and at most 0.5 % more. Those
-    /// of the body are too large by up to 1e-14 of its size, so the sides at the base are tested, too.
-    #[test]
-    fn a_polyhedron_contains_the_body() {
-        let shapes = [
-            Shape::cylinder(0.3, 0.2),
-            Shape::cone(0.3, 0.2),
-            Shape::cylinder(1e-7, 1e3),
-            Shape::cylinder(0.1, 0.1).and_then(|shape| shape.rounded(0.05)),
-        ];
-        for shape in shapes {
-            let shape = shape.expect("a shape");
-            let (hull, rounding, excess) = around_piece(&shape, SIDES[0]).expect("a polyhedron");
-            assert!(excess > 0.0);
-            let (_, ball) = shape.bounding_ball();
-            let (radius, low) = match shape.core() {
-                Core::Cylinder(core) => (core.radius(), -core.half_height()),
-                Core::Cone(core) => (core.radius(), -core.half_height()),
-                _ => panic!("a round core"),
-            };
-            let points = hull.vertex_points();
-            let mut base: Vec<_> = points.filter(|p| p.z == low).map(|p| p.coords.xy()).collect();
-            base.sort_by(|p, q| p.y.atan2(p.x).total_cmp(&q.y.atan2(q.x)));
-            assert_eq!(base.len(), SIDES[0]);
-            for k in 0..SIDES[0] {
-                let (a, b) = (base[k], base[(k + 1) % SIDES[0]]);
-                let from_axis = a.perp(&b) / (b - a).norm();
-                assert!(from_axis > radius, "{from_axis} {radius}");
-            }
-            for k in 0..2000 {
-                let turn = 2.0 * PI * f64::from(k) / 2000.0;
-                let direction = Vector3::new(turn.cos(), turn.sin(), (7.0 * turn).sin()).normalize();
-                let heights = hull.vertex_points().map(|p| p.coords.dot(&direction));
-                let outer = heights.fold(f64::NEG_INFINITY, f64::max) + rounding;
-                let own = shape.support_height(&direction);
-                assert!(
-                    outer >= own - 1e-14 * ball && outer <= own + 0.005 * ball,
-                    "{own} {outer}"
-                );
-            }
-        }
-    }
 }

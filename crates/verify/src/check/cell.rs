@@ -2,6 +2,7 @@
 
 use super::Check;
 use crate::Stop;
+use crate::claim::radii;
 use crate::file::Head;
 use crate::half_space::Floor;
 use crate::json::Json;
@@ -36,7 +37,7 @@ impl Check {
             .map(|[low, high]| (0.5 * (low.shown() + high.shown())).to_string());
         let middle = middle.collect::<Vec<_>>().join(", ");
         self.keeps(pair, keep);
-        let keep = keep.exact();
+        let kept = keep.exact() + radii(&self.scene, pair, parts);
         let bodies = [pair.0, pair.1].map(|k| &self.scene.bodies[k]);
         let some = [bodies[0].of_parts(parts[0]), bodies[1].of_parts(parts[1])];
         self.inside.add(&self.scene, pair, some == [None, None]);
@@ -47,7 +48,7 @@ impl Check {
             link,
             normal,
             floor,
-            keep,
+            kept,
         };
         if self.holds(&claim) {
             return Ok(());

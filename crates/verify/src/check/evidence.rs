@@ -3,7 +3,7 @@
 use super::Check;
 use crate::Stop;
 use crate::balls::Balls;
-use crate::claim::{AtMoment, Claim};
+use crate::claim::{AtMoment, Claim, radii};
 use crate::cover::Apart;
 use crate::file::Head;
 use crate::half_space::{self, Floor};
@@ -79,22 +79,19 @@ impl Check {
             let parts = self.cover.next(&self.scene, apart, pair, span, cuts)?;
             let bodies = [pair.0, pair.1].map(|k| &self.scene.bodies[k]);
             let some = [bodies[0].of_parts(parts[0]), bodies[1].of_parts(parts[1])];
+            let kept = &keep + radii(&self.scene, pair, parts);
             let whole = plane.is_none() || some == [None, None];
             let holds = match plane.clone() {
                 Some((normal, spin, floor)) => self.holds(&Plane {
                     pair,
                     some,
                     span,
-                    keep: keep.clone(),
+                    kept,
                     normal,
                     spin,
                     floor,
                 }),
-                None => self.holds(&Balls {
-                    pair,
-                    span,
-                    keep: keep.clone(),
-                }),
+                None => self.holds(&Balls { pair, span, kept }),
             };
             if !holds && failed.is_none() {
                 failed = Some(pair);

@@ -10,7 +10,7 @@ use crate::vectors::Vector;
 
 impl<I: Int> Stage<I> {
     /// Returns least and greatest Bernstein coefficients of the heights of some vertices along n, or of
-    /// all, and of discs, in units of 2^-2P / W: lower and upper bounds.
+    /// all, and of the ellipsoids about them, in units of 2^-2P / W: lower and upper bounds.
     pub(crate) fn heights(
         &self,
         scene: &Scene,
@@ -41,9 +41,9 @@ impl<I: Int> Stage<I> {
             both[1].push(found[1].add(&b)?.add(&off)?);
             ends = Some(found);
         }
-        for disc in &solid.discs {
-            let p = &solid.points[disc.centre];
-            for (k, half) in disc.half_heights(&m)?.into_iter().enumerate() {
+        for ellipsoid in solid.ellipsoids_of(some) {
+            let p = &solid.points[ellipsoid.centre];
+            for (k, half) in ellipsoid.half_heights(&m)?.into_iter().enumerate() {
                 let [middle, _] = extremes(core::slice::from_ref(p), &nets.each_ref().map(|net| net[k].clone()))?;
                 let (middle, half) = (middle.add(&base[k].up()?)?, half.add(&off)?);
                 both[0][k] = both[0][k].clone().min(middle.sub(&half)?);

@@ -4,7 +4,7 @@ use dashu_int::IBig;
 use dashu_ratio::RBig;
 
 use super::step::{Step, Turn};
-use crate::disc::FixedDisc;
+use crate::ellipsoid::FixedEllipsoid;
 use crate::int::Int;
 use crate::pose::Pose;
 use crate::real::{Exact, dot as exact_dot, root_above, two_to};
@@ -15,13 +15,13 @@ use crate::vectors::{Vector, each, fixed3};
 /// The vertices of a body in fixed point, within `inexact` units.
 pub(crate) struct Solid<I> {
     pub(crate) points: Vec<[I; 3]>,
-    pub(crate) discs: Vec<FixedDisc<I>>,
+    pub(crate) ellipsoids: Vec<FixedEllipsoid<I>>,
     pub(super) inexact: I,
     pub(super) most: [I; 3],
     pub(super) pivot: Vector<I>,
-    /// Radius of the ball around the vertices and discs.
+    /// Radius of the ball around the vertices and ellipsoids.
     pub(super) reach: RBig,
-    /// The middle of the box of the vertices, and the radius of a ball around it that holds them and the discs.
+    /// The middle of the box of the vertices, and the radius of a ball around it that holds them and the ellipsoids.
     pub(crate) middle: Vector<I>,
     pub(crate) round: RBig,
     /// The steps of the body itself, the one next to the world first.
@@ -84,8 +84,7 @@ impl<I: Int> Solid<I> {
             }
         };
         let (most, pivot) = (each(most)?, fixed3(&pivot)?);
-        // A disc is in a ball of its radius about its centre.
-        let wider = body.discs.iter().map(|disc| disc.radius.exact() * &unit);
+        let wider = body.ellipsoids.iter().map(|ellipsoid| ellipsoid.radius(&unit));
         let wider = wider.max().unwrap_or(RBig::ZERO);
         let reach = root_above(&(points.reach_squared(&points.pivot) * &unit * &unit)) + &wider;
         let round = root_above(&(points.reach_squared(&points.middle) * &unit * &unit)) + &wider;
@@ -93,10 +92,10 @@ impl<I: Int> Solid<I> {
         Some(Self {
             middle,
             round,
-            discs: body
-                .discs
+            ellipsoids: body
+                .ellipsoids
                 .iter()
-                .map(|disc| FixedDisc::new(disc, &unit))
+                .map(|ellipsoid| FixedEllipsoid::new(ellipsoid, &unit))
                 .collect::<Option<_>>()?,
             points: all,
             inexact: I::small(inexact.into()),
@@ -106,6 +105,13 @@ impl<I: Int> Solid<I> {
             steps,
             link,
         })
+    }
+
+    /// Returns the ellipsoids about some of the points, which are sorted, or all.
+    pub(crate) fn ellipsoids_of(&self, some: Option<&[usize]>) -> impl Iterator<Item = &FixedEllipsoid<I>> {
+        let is_of =
+            move |ellipsoid: &&FixedEllipsoid<I>| some.is_none_or(|some| some.binary_search(&ellipsoid.centre).is_ok());
+        self.ellipsoids.iter().filter(is_of)
     }
 
     /// By how much the height m . x + o of a vertex departs from that of the polynomials, in units of

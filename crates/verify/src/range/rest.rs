@@ -3,7 +3,7 @@
 use dashu_ratio::RBig;
 
 use super::InCell;
-use crate::disc::{above, length};
+use crate::ellipsoid::{above, length};
 use crate::hops::{Hop, at_once};
 use crate::int::Int;
 use crate::motion::Solid;

@@ -4,7 +4,7 @@ use dashu_ratio::RBig;
 
 use super::Scene;
 use crate::Stop;
-use crate::disc::Disc;
+use crate::ellipsoid::Ellipsoid;
 use crate::half_space::HalfSpace;
 use crate::json::Json;
 use crate::points::Points;
@@ -38,10 +38,13 @@ pub(crate) struct Body {
     /// points are one part if there is none.
     pub(crate) parts: Vec<Vec<usize>>,
     pub(crate) solid: bool,
-    /// With the points they span the body.
-    pub(crate) discs: Vec<Disc>,
+    /// With the points they span the body, or the parts that have their points.
+    pub(crate) ellipsoids: Vec<Ellipsoid>,
     /// The body is a half-space; the points are the origin alone.
     pub(crate) half: Option<HalfSpace>,
+    /// The radius of each part, if they differ.
+    pub(crate) radii: Vec<RBig>,
+    /// The greatest radius of a part.
     pub(crate) radius: RBig,
     pub(crate) motion: Motion,
     pub(crate) moves: bool,
@@ -56,13 +59,30 @@ impl Body {
         points.dedup();
         Some(points)
     }
+
+    /// Returns the greatest radius of some parts.
+    pub(crate) fn radius_of(&self, [low, high]: [usize; 2]) -> &RBig {
+        let some = self.radii.get(low..high).into_iter().flatten();
+        some.max().unwrap_or(&self.radius)
+    }
 }
 
 impl Scene {
     pub(super) fn body(&mut self, line: &Json) -> Result<(), Stop> {
         let number = self.bodies.len();
         line.only(&[
-            "body", "name", "points", "parts", "faces", "discs", "half", "radius", "at", "link", "steady",
+            "body",
+            "name",
+            "points",
+            "parts",
+            "faces",
+            "ellipsoids",
+            "half",
+            "radius",
+            "radii",
+            "at",
+            "link",
+            "steady",
         ])?;
         if number == 4096 || line.get("body")?.whole()? != number {
             return Stop::bad(format!("body {number} is expected, at most 4096"));
@@ -114,10 +134,12 @@ impl Scene {
             None => Points::read(line.get("points")?, pivot)?,
         };
         self.lengths(&most);
-        let discs = line.find("discs").map(|discs| Disc::read(discs, points.all.len()));
-        let discs = discs.transpose()?.unwrap_or_default();
-        for disc in &discs {
-            self.lengths(&[disc.radius]);
+        let ellipsoids = line
+            .find("ellipsoids")
+            .map(|all| Ellipsoid::read(all, points.all.len()));
+        let ellipsoids = ellipsoids.transpose()?.unwrap_or_default();
+        for ellipsoid in &ellipsoids {
+            self.lengths(&[ellipsoid.size]);
         }
         let (faces, parts) = (line.find("faces"), line.find("parts"));
         let solid = faces.is_some();
@@ -126,22 +148,20 @@ impl Scene {
             None if solid => return Stop::bad("a body has parts or faces, not both"),
             None => Vec::new(),
         };
-        if !discs.is_empty() && !parts.is_empty() {
-            return Stop::bad("a body has parts, faces or discs, not two of them");
+        if !ellipsoids.is_empty() && solid {
+            return Stop::bad("a body has faces or ellipsoids, not both");
         }
-        let radius = line.find("radius").map_or(Ok(Real::ZERO), Json::real)?;
-        if radius < Real::ZERO {
-            return Stop::bad("a negative radius");
-        }
+        let (radii, radius) = radii_of(line, parts.len())?;
         let name = line.get("name")?.text()?.into();
         self.bodies.push(Body {
             name,
             points,
             parts,
             solid,
-            discs,
+            ellipsoids,
             half,
-            radius: radius.exact(),
+            radii,
+            radius,
             motion,
             moves,
         });
@@ -163,4 +183,24 @@ fn lists_of(json: &Json, points: usize, triangles: bool) -> Result<Vec<Vec<usize
         return Stop::bad("a body has 1 to 262144 parts");
     }
     Ok(all)
+}
+
+/// Reads the radius of each part, if they differ, and the greatest of them.
+fn radii_of(line: &Json, parts: usize) -> Result<(Vec<RBig>, RBig), Stop> {
+    let (one, each) = (line.find("radius"), line.find("radii").map(Json::array).transpose()?);
+    let reals = match (one, each) {
+        (Some(_), Some(_)) => return Stop::bad("a body has a radius or radii, not both"),
+        (Some(radius), None) => vec![radius.real()?],
+        (None, Some(radii)) if radii.len() != parts || parts == 0 => {
+            return Stop::bad("a radius for each part is expected");
+        }
+        (None, Some(radii)) => radii.iter().map(Json::real).collect::<Result<_, _>>()?,
+        (None, None) => vec![Real::ZERO],
+    };
+    if reals.iter().any(|radius| *radius < Real::ZERO) {
+        return Stop::bad("a negative radius");
+    }
+    let radii: Vec<RBig> = reals.into_iter().map(Real::exact).collect();
+    let most = radii.iter().max().cloned().unwrap_or(RBig::ZERO);
+    Ok((if each.is_some() { radii } else { Vec::new() }, most))
 }
