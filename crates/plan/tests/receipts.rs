@@ -11,17 +11,19 @@ use lin_canny_plan::{
     Cell, CellBody, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, PlanarSpace,
     RangeOptions, RangeProver, RigidSpace, TranslationSpace, TreeJoint, Verdict,
 };
-use lin_canny_verify::verify;
 use truth::arm::{self, motion};
 use truth::casts::{SHAPES, aimed, body, rotation};
 use truth::rng::Rng;
 
+#[path = "../../verify/tests/support/python.rs"]
+#[allow(dead_code, reason = "the checkers' own tests use all of it")]
+mod python;
+
 /// What a receipt proves, or the first line that does not hold.
 fn checked(text: &str) -> Result<String, String> {
-    match verify(text.as_bytes()) {
-        Ok(found) if found.holds() => Ok(found.to_string()),
-        Ok(found) => Err(found.to_string()),
-        Err(error) => Err(format!("unreadable: {error}")),
+    match python::judged(text) {
+        (0, said) => Ok(said),
+        (_, why) => Err(why),
     }
 }
 
@@ -200,7 +202,7 @@ fn random_curves_of_an_arm_have_receipts() {
     let mut checker = arm();
     let mut rng = Rng::new(9);
     let mut counts = [0; 3];
-    for k in 0..24 {
+    for k in 0..12 {
         let start = match k % 2 {
             0 => motion::carry(rng.uniform()),
             _ => checker.space().sample(&mut || rng.uniform()),
@@ -235,7 +237,7 @@ fn random_curves_of_an_arm_have_receipts() {
         }
     }
     println!("free, blocked, splines: {counts:?}");
-    assert!(counts[0] > 4 && counts[1] > 4 && counts[2] == counts[0], "{counts:?}");
+    assert!(counts[0] > 2 && counts[1] > 2 && counts[2] == counts[0], "{counts:?}");
 }
 
 /// A range around a configuration, of a width that grows with the number.
@@ -250,7 +252,7 @@ fn ranges_of_an_arm_have_receipts() {
     let mut checker = arm();
     let mut rng = Rng::new(21);
     let (mut proven, mut cells, mut bytes, mut refused) = (0, 0, 0, 0);
-    for k in 0..6 {
+    for k in 0..3 {
         let q = motion::carry(rng.uniform());
         let [low, high] = range_around(&q, &checker, [0.03, 0.15, 0.4][k % 3]);
         let options = RangeOptions::default().cells(2000);
@@ -285,7 +287,7 @@ fn ranges_of_an_arm_have_receipts() {
         refused += usize::from(checked(&sealed(&lines)).is_err());
     }
     println!("{proven} pairs, {cells} cells, {bytes} bytes");
-    assert_eq!(refused, 6);
+    assert_eq!(refused, 3);
 }
 
 /// A library that takes an obstacle to be elsewhere proves segments free that are not.
@@ -369,7 +371,7 @@ fn sizes_and_times() {
         let timed = |text: &str| {
             let times = (0..10).map(|_| {
                 let started = std::time::Instant::now();
-                let found = verify(text.as_bytes()).expect("a receipt");
+                let found = lin_canny_verify::verify(text.as_bytes()).expect("a receipt");
                 (started.elapsed().as_secs_f64(), found)
             });
             times.min_by(|x, y| x.0.total_cmp(&y.0)).expect("a time")
