@@ -4,7 +4,7 @@
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::ConvexPolyhedron;
 use lin_canny::shape::Core;
-use lin_canny::{Cloud, CloudElement, Compound, Geometry, HalfSpace, Mesh, Piece, Shape};
+use lin_canny::{Cloud, CloudElement, Compound, Geometry, HalfSpace, Mesh, MeshKind, Piece, Shape};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
     Cell, Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, RangeOptions, RangeProver, Verdict,
@@ -155,11 +155,12 @@ fn motion(rng: &mut Rng, joints: usize) -> JointMotion {
     }
 }
 
-/// Whether a body has points of its own that a contact can be proven by.
+/// Whether a body has points that a contact can be proven by: a closed mesh may hold the other body inside.
 fn has_points(geometry: &Geometry) -> bool {
     let is_hull = |shape: &Shape| matches!(shape.core(), Core::Polyhedron(_));
     match geometry {
-        Geometry::Polyhedron(_) | Geometry::Mesh(_) | Geometry::Cloud(_) => true,
+        Geometry::Polyhedron(_) | Geometry::Cloud(_) => true,
+        Geometry::Mesh(mesh) => mesh.kind() != MeshKind::Solid,
         Geometry::Convex(shape) => is_hull(shape),
         Geometry::Compound(compound) => compound.pieces().iter().all(|piece| is_hull(&piece.shape)),
         _ => false,
