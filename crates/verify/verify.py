@@ -1341,7 +1341,7 @@ class Check:
         if plane:
             floor = floor_of(self.scene, pairs[0], False)
             if floor:
-                only(line, "plane", "from", "until", "keep")
+                only(line, "plane", "from", "until", "keep", "cut")
             normal = floor[1] if floor else numbers(get(line, "normal"), 3)
             spin = numbers(line["spin"], 3) if "spin" in line else None
         for pair in pairs if not plane else []:

@@ -102,8 +102,13 @@ impl PairJudge<'_> {
     pub(super) fn evidence(&self, span: [f64; 2], certificates: &[Certificate]) -> Result<Evidence, Missing> {
         if let Some(normal) = self.floor_normal() {
             let mut pieces = Vec::new();
-            self.above_floor(&normal, span, HALVINGS, &mut pieces)?;
-            return Ok(Evidence::Pieces(pieces));
+            let found = self.above_floor(&normal, span, HALVINGS, &mut pieces);
+            // A plane of the whole body keeps the greatest radius from all its points.
+            let has_radii = [self.a, self.b].iter().any(|mover| !mover.body.radii.is_empty());
+            return match found {
+                Err(_) if has_radii => Ok(Evidence::Pieces(self.by_parts(span)?)),
+                found => found.map(|()| Evidence::Pieces(pieces)),
+            };
         }
         match self.of_hulls(span, certificates) {
             Err(_) if self.has_parts() => Ok(Evidence::Pieces(self.by_parts(span)?)),
@@ -219,6 +224,9 @@ impl PairJudge<'_> {
 
     /// Returns the direction between two groups of parts at a time.
     pub(super) fn between(&self, groups: [&Group; 2], time: f64) -> Option<Vector3<f64>> {
+        if let Some(normal) = self.floor_normal() {
+            return Some(normal);
+        }
         let [x, y] = [self.a, self.b].map(|mover| pose(&mover.steps, time));
         let relative = RelativePose::new(&x, &y).ok()?;
         Some(x.rotation * direction(groups, &relative)?.0)
@@ -258,6 +266,9 @@ impl PairJudge<'_> {
             |normal: &Vector3<f64>, spin: &Vector3<f64>| self.by_plane(groups, normal, spin, [from, until], kept);
         if !holds(&normal, &spin) {
             return None;
+        }
+        if self.floor_normal().is_some() {
+            return Some(Proof::Own);
         }
         for bits in BITS {
             let (normal, spin) = (rounded(&normal, bits), rounded(&spin, bits));

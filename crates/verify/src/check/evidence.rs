@@ -49,7 +49,7 @@ impl Check {
                 let pair = self.scene.pair(line.get("plane")?)?;
                 let floor = Floor::of_pair(&self.scene, pair, false)?;
                 if floor.is_some() {
-                    line.only(&["plane", "from", "until", "keep"])?;
+                    line.only(&["plane", "from", "until", "keep", "cut"])?;
                 }
                 let normal = match &floor {
                     Some(floor) => floor.normal.clone(),
