@@ -621,7 +621,10 @@ impl JointCurve {
             [.., last] if time == 1.0 => last,
             [from, to] => from + (to - from) * time,
             [a, b, c, d] => value_at(&mut [a, b, c, d], time),
+            [a, b, c, d, e] => value_at(&mut [a, b, c, d, e], time),
             [a, b, c, d, e, f] => value_at(&mut [a, b, c, d, e, f], time),
+            [a, b, c, d, e, f, g] => value_at(&mut [a, b, c, d, e, f, g], time),
+            [a, b, c, d, e, f, g, h] => value_at(&mut [a, b, c, d, e, f, g, h], time),
             _ => {
                 let mut row: Row = [0.0; DEGREE_MAX + 1];
                 let row = &mut row[..points.len()];

@@ -44,7 +44,7 @@ use crate::motion::curve::{JointCurve, PARTS};
 use crate::motion::joint::JointKind;
 use crate::motion::joint::{Drive, TreeJoint};
 use crate::motion::space::{BodyBall, SegmentMotion};
-use crate::tolerance::{ARM_PLACE, ARM_TURN, ARM_VALUE, LENGTH};
+use crate::tolerance::{ARM_PLACE, ARM_TURN, ARM_VALUE, CURVE_DIFFERENCE, LENGTH};
 use lin_canny::motion::{MotionModel, Remainder};
 use lin_canny::normalize_rotation;
 
@@ -524,8 +524,10 @@ impl PathBounds {
 /// Upper bounds of a link's motion over the whole curve, and of its rounding errors.
 #[derive(Clone, Copy, Debug)]
 struct WholeBounds {
-    /// Bounds that include what rounding adds to derivatives.
+    /// Bounds of the derivatives.
     path: PathBounds,
+    /// What rounding errors are relative to: bounds that grow with the rounding of derivatives.
+    rounded: PathBounds,
     /// Sum of the rotations by the joints at their greatest rates.
     turned: f64,
     /// Sum of the lengths from the world's origin.
@@ -540,6 +542,7 @@ impl WholeBounds {
         let length = base.translation.vector.abs().sum();
         Self {
             path: PathBounds::default(),
+            rounded: PathBounds::default(),
             turned: 0.0,
             length,
             turn: ARM_TURN,
@@ -557,6 +560,7 @@ impl WholeBounds {
     fn pass(&mut self, joint: &TreeJoint, far: f64, curve: &JointCurve) {
         self.reach_on(joint.origin.translation.vector.abs().sum());
         self.path.carry(far);
+        self.rounded.carry(far);
         self.turn += ARM_TURN;
         self.turned += turned(joint, curve);
         let Some(drive) = joint.drive else { return };
@@ -572,10 +576,11 @@ impl WholeBounds {
                 self.reach_on(joint.axis.abs().sum() * most);
             }
         }
+        let n = curve.degree() as f64;
+        let second = |part: f64| [of.most[1], of.most[2] + part * of.most[1], of.most[3]].map(|x| factor * x);
+        self.path.pass(joint.kind, second(CURVE_DIFFERENCE * n), most);
         // The second derivative rounds relative to the first.
-        let n = (curve.degree() - 1) as f64;
-        let rates = [of.most[1], of.most[2] + n * of.most[1], of.most[3]];
-        self.path.pass(joint.kind, rates.map(|x| factor * x), most);
+        self.rounded.pass(joint.kind, second(n - 1.0), most);
     }
 }
 
@@ -620,7 +625,7 @@ impl SpanBounds {
             for bounds in &mut self.parts[..used] {
                 bounds.carry(far);
             }
-            whole.path.carry(far);
+            whole.rounded.carry(far);
             whole.reach_on(middle.coords.abs().sum());
         }
         let error = 2.0 * whole.turn + ARM_PLACE + segment.curve.value_error();
@@ -628,16 +633,16 @@ impl SpanBounds {
             1 => of(&self.parts[0]) * GROWTH,
             _ => self.parts.iter().zip(parts).map(|(b, part)| of(b) * part).sum::<f64>() * GROWTH,
         };
-        let [still, even] = [2.0 * whole.turn, error * whole.path.rates[0]];
+        let [still, even] = [2.0 * whole.turn, error * whole.rounded.rates[0]];
         ModelBounds {
             shift: Remainder([
                 2.0 * whole.place,
-                2.0 * error * whole.path.place[0],
-                4.0 * error * whole.path.place[1],
+                2.0 * error * whole.rounded.place[0],
+                4.0 * error * whole.rounded.place[1],
                 graded(&CUBIC, &|b| b.place[2]),
             ]),
             turn: Remainder([still, even, graded(&SQUARE, &|b| b.bend[0]), 0.0]),
-            bend: 4.0 * error * whole.path.bend[0],
+            bend: 4.0 * error * whole.rounded.bend[0],
             jerk: graded(&CUBIC, &|b| b.bend[1]),
         }
     }
