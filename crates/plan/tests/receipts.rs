@@ -643,3 +643,61 @@ fn what_has_no_receipt_is_an_error_with_a_name() {
     );
     assert_eq!(open.pivot(), Point3::origin());
 }
+
+/// Motions of the built-in arm past a round post, which stands as close as the arm leaves it free to a hundredth of a
+/// millimetre; returns how many there are, and how many have a receipt.
+fn past_a_round_post(seeds: core::ops::Range<u64>) -> [usize; 2] {
+    let mut counts = [0; 2];
+    for seed in seeds {
+        let mut rng = Rng::new(seed);
+        let (from, way) = (motion::carry(rng.uniform()), rng.range(0.05, 0.3));
+        let to: Vec<f64> = from.iter().map(|x| x + rng.range(-way, way)).collect();
+        let turn = rng.range(-3.0, 3.0);
+        let direction = Vector3::new(turn.cos(), turn.sin(), 0.0);
+        let tilt = UnitQuaternion::from_scaled_axis(Vector3::new(rng.range(-0.5, 0.5), rng.range(-0.5, 0.5), 0.0));
+        let (path, height) = (JointMotion::segment(&from, &to), rng.range(0.3, 1.0));
+        let with_post = |far: f64| {
+            let (arm, mut cell) = arm::in_cell().expect("the built-in cell");
+            let at = Isometry3::from_parts((direction * far + Vector3::z() * height).into(), tilt);
+            let post = Shape::cylinder(0.25, 0.06).expect("a post");
+            cell.add_obstacle("round post", post, at).expect("an obstacle");
+            Checker::new(arm, cell).expect("a cell")
+        };
+        let is_free = |far: f64| with_post(far).is_free(&path).expect("a segment");
+        let (mut near, mut far) = (0.0, 3.0);
+        if !is_free(far) || is_free(near) {
+            continue;
+        }
+        while far - near > 1e-5 {
+            let middle = 0.5 * (near + far);
+            *(if is_free(middle) { &mut far } else { &mut near }) = middle;
+        }
+        counts[0] += 1;
+        let receipt = Receipt::motion(&mut with_post(far), &path);
+        holds(&receipt.unwrap_or_else(|error| panic!("{seed}: {error}")));
+        counts[1] += 1;
+    }
+    counts
+}
+
+#[test]
+fn paths_past_a_round_post_have_receipts() {
+    let counts = past_a_round_post(0..12);
+    println!("past a post, with a receipt: {counts:?}");
+    assert!(counts[0] > 4 && counts[1] == counts[0], "{counts:?}");
+}
+
+#[test]
+#[ignore = "90 paths take a minute: cargo test -p lin-canny-plan --all-features --test receipts ninety -- --ignored --nocapture"]
+fn ninety_paths_past_a_round_post_have_receipts() {
+    let mut counts = [0; 2];
+    for seed in 0.. {
+        let found = past_a_round_post(seed..seed + 1);
+        counts = [counts[0] + found[0], counts[1] + found[1]];
+        if counts[0] == 90 {
+            break;
+        }
+    }
+    println!("past a post, with a receipt: {counts:?}");
+    assert_eq!(counts, [90, 90]);
+}
