@@ -730,7 +730,7 @@ class Placed:
 
 
 def no_half_space(scene, pair):
-    need(not any(scene.bodies[k].half for k in pair), "a half-space has planes and cells as evidence alone")
+    need(not any(scene.bodies[k].half for k in pair), "a half-space has planes, cells and near points as evidence alone")
 
 
 def floor_of(scene, pair, in_base):
@@ -947,7 +947,6 @@ class Moment:
 
     def __init__(self, scene, line):
         self.scene, self.pair = scene, scene.pair(line[kind(line)])
-        no_half_space(scene, self.pair)
         self.time = number(line["at"]) if "at" in line else None
         need((self.time is not None) == scene.moving(self.pair), "a pair that moves has a time, one that rests has none")
         self.span = (self.time or Q(0),) * 2
@@ -990,8 +989,10 @@ class Moment:
     def means(self, line):
         """Two points by weights of vertices, in the frames of the bodies, and the sum of the radii around them."""
         found, on = [], []
-        for entries in array(get(line, "on"), 2):
-            on.append([(whole(k), number(w)) for k, w in (array(x, 2) for x in array(entries))])
+        for body, entries in zip(self.pair, array(get(line, "on"), 2)):
+            is_half = self.scene.bodies[body].half
+            need(not (is_half and array(entries)), "points of a half-space")
+            on.append([(whole(k), number(w)) for k, w in (array(x, 2) for x in array(entries))] if not is_half else [(0, Q(1))])
             truth = any(w > 0 for _, w in on[-1]) and all(w >= 0 for _, w in on[-1])
             need(truth, "weights: one is negative, or none is positive")
         for side, pairs in enumerate(on):
@@ -1010,6 +1011,7 @@ def meet(scene, line):
     """Lemma 4: zero lies in the tetrahedron of four differences."""
     only(line, "meet", "at", "points")
     moment = Moment(scene, line)
+    no_half_space(scene, moment.pair)
     pairs = [moment.pair_of(entry) for entry in array(get(line, "points"), 4)]
     moment.in_part(*zip(*pairs))
     if moment.time is None:
@@ -1033,6 +1035,18 @@ def meet(scene, line):
     return f"{moment.text()} share a point"
 
 
+def near_floor(scene, moment, floor, mean, reach):
+    """A point of the body of a pair that is no half-space is at most `reach` above the half-space."""
+    side, normal, height = floor
+    if moment.time is None:
+        along = dot(normal, moment.placed()[1 - side].point(mean))
+    else:
+        body = scene.bodies[moment.pair[1 - side]]
+        height_of = dot(scene.point(body, fixed_all([c * scene.unit for c in mean]), moment.span), fixed_all(normal))
+        along = Q(height_of.c[0] + (height_of.r if side == 0 else -height_of.r), ONE) / scene.unit
+    return at_most(along - height if side == 0 else height - along, reach, dot(normal, normal))
+
+
 def near(scene, line):
     """Lemma 5."""
     only(line, "near", "at", "within", "on")
@@ -1040,8 +1054,10 @@ def near(scene, line):
     within = number(get(line, "within"))
     need(within >= 0, "within is negative")
     means, radii = moment.means(line)
-    reach = within + radii
-    if moment.time is None:
+    reach, floor = within + radii, floor_of(scene, moment.pair, False)
+    if floor:
+        truth = near_floor(scene, moment, floor, means[1 - floor[0]], reach)
+    elif moment.time is None:
         way = minus(*(placed.point(x) for placed, x in zip(moment.placed(), means)))
         truth = dot(way, way) <= reach * reach
     else:
@@ -1111,6 +1127,7 @@ def distance(scene, line):
     """Lemma 6."""
     only(line, "distance", "lower", "upper", "normal", "cells", "on")
     moment = Moment(scene, line)
+    no_half_space(scene, moment.pair)
     need(not any(scene.bodies[k].ellipsoids for k in moment.pair), "a distance of a body with ellipsoids")
     placed = moment.placed()
     bounds = number(get(line, "lower")), number(get(line, "upper"))

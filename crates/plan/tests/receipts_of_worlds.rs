@@ -159,7 +159,7 @@ fn motion(rng: &mut Rng, joints: usize) -> JointMotion {
 fn has_points(geometry: &Geometry) -> bool {
     let is_hull = |shape: &Shape| matches!(shape.core(), Core::Polyhedron(_));
     match geometry {
-        Geometry::Polyhedron(_) | Geometry::Cloud(_) => true,
+        Geometry::Polyhedron(_) | Geometry::Cloud(_) | Geometry::HalfSpace(_) => true,
         Geometry::Mesh(mesh) => mesh.kind() != MeshKind::Solid,
         Geometry::Convex(shape) => is_hull(shape),
         Geometry::Compound(compound) => compound.pieces().iter().all(|piece| is_hull(&piece.shape)),

@@ -3,13 +3,13 @@
 use dashu_int::IBig;
 use dashu_ratio::RBig;
 
+use crate::Stop;
 use crate::cover::Parts;
 use crate::int::Int;
 use crate::json::Json;
 use crate::motion::{Span, Stage};
 use crate::real::{Exact, Real, dot, two_to};
 use crate::scene::Scene;
-use crate::{Stop, half_space};
 
 /// A claim about bodies that move.
 pub(crate) trait Claim {
@@ -35,7 +35,6 @@ impl Moment {
     /// Reads a pair, and its time if one of the two moves.
     pub(crate) fn read(scene: &Scene, line: &Json) -> Result<Self, Stop> {
         let pair = scene.pair(line.get(line.kind())?)?;
-        half_space::refuse(scene, pair)?;
         let time = line.find("at").map(Json::real).transpose()?;
         if time.is_some() != (scene.bodies[pair.0].moves || scene.bodies[pair.1].moves) {
             return Stop::bad("a pair that moves has a time, one that rests has none");

@@ -13,6 +13,7 @@ use dashu_ratio::RBig;
 use crate::Stop;
 use crate::claim::{Moment, all_parts, radii as radii_of};
 use crate::groups;
+use crate::half_space;
 use crate::json::Json;
 use crate::near;
 use crate::pose::Placed;
@@ -23,6 +24,7 @@ use crate::scene::Scene;
 pub(crate) fn check(scene: &Scene, line: &Json) -> Result<String, Stop> {
     line.only(&["distance", "lower", "upper", "normal", "cells", "on"])?;
     let moment = Moment::read(scene, line)?;
+    half_space::refuse(scene, moment.pair)?;
     if [moment.pair.0, moment.pair.1]
         .iter()
         .any(|k| !scene.bodies[*k].ellipsoids.is_empty())

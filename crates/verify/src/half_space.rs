@@ -71,6 +71,15 @@ impl Floor {
         }))
     }
 
+    /// Returns how far the half-space is from a point of the other body with this height, times the length of the
+    /// normal; less than 0 inside.
+    pub(crate) fn gap(&self, along: RBig) -> RBig {
+        match self.side {
+            0 => along - &self.height,
+            _ => &self.height - along,
+        }
+    }
+
     /// Returns the height of the half-space along the normal, rounded away from it, in units of 2^-2P.
     pub(crate) fn height<I: Int>(&self, unit: &RBig) -> Option<I> {
         let height = &self.height * unit;
@@ -84,7 +93,7 @@ impl Floor {
 /// Refuses a line about a half-space that only bodies with an end can have.
 pub(crate) fn refuse(scene: &Scene, pair: (usize, usize)) -> Result<(), Stop> {
     match scene.bodies[pair.0].half.is_some() || scene.bodies[pair.1].half.is_some() {
-        true => Stop::bad("a half-space has planes and cells as evidence alone"),
+        true => Stop::bad("a half-space has planes, cells and near points as evidence alone"),
         false => Ok(()),
     }
 }

@@ -11,6 +11,7 @@
 
 use crate::Stop;
 use crate::claim::{AtMoment, Claim, Moment};
+use crate::half_space;
 use crate::int::Int;
 use crate::json::Json;
 use crate::motion::Stage;
@@ -34,6 +35,7 @@ impl Meet {
     pub(crate) fn read(scene: &Scene, line: &Json) -> Result<Self, Stop> {
         line.only(&["meet", "at", "points"])?;
         let moment = Moment::read(scene, line)?;
+        half_space::refuse(scene, moment.pair)?;
         let mut pairs = [[0; 2]; 4];
         for (pair, json) in pairs.iter_mut().zip(line.get("points")?.list::<4>()?) {
             let [i, j] = json.list::<2>()?;

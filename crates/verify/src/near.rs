@@ -2,15 +2,17 @@
 //!
 //! **Lemma 5.** The mean of vertices with weights that are not negative is a point of the hull. Two
 //! such points at most `within` + radii apart prove that the bodies are at most `within` apart. The
-//! weights are divided by their sum exactly, so they need not add up to one.
+//! weights are divided by their sum exactly, so they need not add up to one. Of a half-space the point nearest to
+//! that of the other body counts: its distance is how far that one is above the plane, or 0.
 
 use crate::Stop;
 use crate::claim::{AtMoment, Claim, Moment};
+use crate::half_space::Floor;
 use crate::int::Int;
 use crate::json::Json;
 use crate::motion::Stage;
 use crate::points::weights;
-use crate::real::{Exact, Real, dot as exact_dot, minus as exact_minus, two_to};
+use crate::real::{Exact, Real, at_most, dot as exact_dot, minus as exact_minus, two_to};
 use crate::scene::Scene;
 use crate::vectors::{dot, fixed3, minus};
 use dashu_ratio::RBig;
@@ -23,12 +25,19 @@ pub(crate) struct Near {
     reach: RBig,
     /// In the frames of the bodies.
     on: [Exact; 2],
+    /// One of the two is a half-space.
+    floor: Option<Floor>,
 }
 
 /// Reads two lists of weights; returns their points in the frames of the bodies and the sum of the radii around them.
 pub(crate) fn points(scene: &Scene, moment: &Moment, line: &Json) -> Result<([Exact; 2], RBig), Stop> {
-    let [on_a, on_b] = line.get("on")?.list::<2>()?;
-    let (a, b) = (weights(on_a)?, weights(on_b)?);
+    let on = line.get("on")?.list::<2>()?;
+    let weights_of = |side: usize, body: usize| match (&scene.bodies[body].half, on[side].array()?) {
+        (None, _) => weights(&on[side]),
+        (Some(_), []) => Ok(vec![(0, Real::ONE)]),
+        (Some(_), _) => Stop::bad("points of a half-space"),
+    };
+    let (a, b) = (weights_of(0, moment.pair.0)?, weights_of(1, moment.pair.1)?);
     a.iter().try_for_each(|x| moment.has(scene, [x.0, 0]))?;
     b.iter().try_for_each(|x| moment.has(scene, [0, x.0]))?;
     let names = [&a, &b].map(|on| on.iter().map(|x| x.0).collect::<Vec<_>>());
@@ -48,6 +57,7 @@ impl Near {
         }
         let (on, radii) = points(scene, &moment, line)?;
         Ok(Self {
+            floor: Floor::of_pair(scene, moment.pair, false)?,
             reach: within.exact() + radii,
             moment,
             within,
@@ -67,7 +77,12 @@ impl AtMoment for Near {
 
     fn at_rest(&self, scene: &Scene) -> Result<bool, Stop> {
         let (a, b) = (scene.placed(self.moment.pair.0)?, scene.placed(self.moment.pair.1)?);
-        let way = exact_minus(&b.pose.point(&self.on[1]), &a.pose.point(&self.on[0]));
+        let ends = [a.pose.point(&self.on[0]), b.pose.point(&self.on[1])];
+        if let Some(floor) = &self.floor {
+            let gap = floor.gap(exact_dot(&floor.normal, &ends[1 - floor.side]));
+            return Ok(at_most(&gap, &self.reach, &exact_dot(&floor.normal, &floor.normal)));
+        }
+        let way = exact_minus(&ends[1], &ends[0]);
         Ok(exact_dot(&way, &way) <= &self.reach * &self.reach)
     }
 }
@@ -79,6 +94,16 @@ impl Claim for Near {
             let x = fixed3(&x.each_ref().map(|x| x * &stage.unit))?;
             stage.point(scene, body, &x, &span)
         };
+        if let Some(floor) = &self.floor {
+            let point = end([a, b][1 - floor.side], &self.on[1 - floor.side])?;
+            let along = dot(&point, &fixed3(&floor.normal)?)?;
+            let most = match floor.side {
+                0 => along.c[0].add(&along.r)?,
+                _ => along.c[0].sub(&along.r)?,
+            };
+            let gap = floor.gap(RBig::from(most.wide()) * two_to(-(I::P as i64)) / &stage.unit);
+            return Some(at_most(&gap, &self.reach, &exact_dot(&floor.normal, &floor.normal)));
+        }
         let way = minus(&end(b, &self.on[1])?, &end(a, &self.on[0])?)?;
         let square = dot(&way, &way)?;
         let most = RBig::from(square.c[0].add(&square.r)?.wide()) * two_to(-(I::P as i64));

@@ -177,3 +177,64 @@ fn parts_keep_their_own_radii() {
         assert_eq!(found, wanted);
     }
 }
+
+#[test]
+fn points_near_half_spaces_are_proven_as_they_are() {
+    let (mut rng, mut cases, mut wanted) = (Rng(9), Vec::new(), Vec::new());
+    for k in 0..40 {
+        let (point, spin, height) = (rng.vector(1.0), rng.vector(1.0), rng.range(1.0, 2.0));
+        let (time, radius) = (rng.range(0.0, 1.0), rng.range(0.0, 0.1));
+        let gap = height + turned(scale(spin, time), point)[2] - radius;
+        let (zero, identity) = (hexes(&[0.0; 3]), hexes(&REST));
+        let mut at = REST;
+        at[2] = height;
+        // The half-space is first or second, and the body moves or rests.
+        let (numbers, moves) = ([[0, 1], [1, 0]][k % 2], k % 4 < 2);
+        let gap = if moves { gap } else { height + point[2] - radius };
+        let way = format!(
+            ",\"steady\":{{\"pivot\":{zero},\"linear\":{zero},\"angular\":{},\"push\":{zero}}}",
+            hexes(&spin)
+        );
+        let mut bodies = [
+            format!(
+                "{{\"body\":{},\"name\":\"floor\",\"half\":[{},\"0x0p0\"],\"at\":{identity}}}",
+                numbers[0],
+                hexes(&[0.0, 0.0, 3.0])
+            ),
+            format!(
+                "{{\"body\":{},\"name\":\"pin\",\"points\":[{}],\"radius\":{},\"at\":{}{}}}",
+                numbers[1],
+                hexes(&point),
+                hex(radius),
+                hexes(&at),
+                if moves { &way } else { "" }
+            ),
+        ];
+        bodies.sort();
+        let on = ["[],[[0,\"0x1p0\"]]", "[[0,\"0x1p0\"]],[]"][k % 2];
+        for (within, holds) in [(gap + 1e-9, true), (gap - 1e-9, false)] {
+            let when = if moves {
+                format!(",\"at\":{}", hex(time))
+            } else {
+                String::new()
+            };
+            let near = format!("{{\"near\":[0,1],\"within\":{},\"on\":[{on}]{when}}}", hex(within));
+            let [first, second] = bodies.clone();
+            cases.push((
+                sealed(&["{\"receipt\":1,\"claim\":\"lines\"}".into(), first, second, near]),
+                None,
+            ));
+            wanted.push(i32::from(!holds));
+        }
+    }
+    // A half-space has no points.
+    let text = cases[0].0.replace("\"on\":[[],", "\"on\":[[[0,\"0x1p0\"]],");
+    let lines: Vec<String> = text.lines().take(4).map(String::from).collect();
+    cases.push((sealed(&lines), None));
+    wanted.push(3);
+    let ours: Vec<i32> = cases.iter().map(|(text, _)| code(text, None)).collect();
+    assert_eq!(ours, wanted);
+    if let Some(found) = codes(&cases) {
+        assert_eq!(found, wanted);
+    }
+}

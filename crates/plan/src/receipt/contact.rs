@@ -5,9 +5,10 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use super::error::ReceiptError;
 use super::groups::{Group, Groups, near_parts};
 use super::number::hex;
-use super::scene::Scene;
+use super::scene::{Body, Scene};
 use super::taylor::pose;
 use crate::extremes::Extremes;
+use crate::tolerance::RECEIPT;
 use lin_canny::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use lin_canny::{RelativePose, Tracker};
 
@@ -16,6 +17,9 @@ pub(super) const PARTS: usize = 256;
 
 /// Times after a bracket at which a contact is proven if it is not certain at its end, in brackets.
 const LATER: [f64; 10] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 256.0, 1024.0, 4096.0];
+
+/// Why a contact has no evidence although the bodies have points.
+const UNCERTAIN: &str = "they touch, and no common point is certain";
 
 /// Returns the error of a pair at one time.
 pub(super) fn missing(scene: &Scene, [a, b]: [usize; 2], time: f64, why: &'static str) -> ReceiptError {
@@ -59,8 +63,19 @@ pub(super) fn meeting(
     let [x, y] = pair.map(|k| pose(&scene.steps(k, rows), now));
     let [first, second] = pair.map(|k| &scene.bodies[k]);
     let refused = |why: &'static str| missing(scene, pair, now, why);
-    if first.has_no_points() || second.has_no_points() {
-        return Err(refused("a curved body or a half-space proves no contact"));
+    if [first, second].iter().any(|body| !body.ellipsoids.is_empty()) {
+        return Err(refused("a curved body proves no contact"));
+    }
+    let halves = [first.half, second.half].into_iter().enumerate();
+    if let Some((side, half)) = halves.filter_map(|(k, half)| Some((k, half?))).next() {
+        let (body, poses) = ([second, first][side], [[&x, &y], [&y, &x]][side]);
+        let least = kept - RECEIPT * scene.size();
+        let point = lowest(&half, body, poses, least).ok_or_else(|| refused(UNCERTAIN))?;
+        let on = weights_text(&[(point, 1.0)]);
+        let (within, on) = (hex(kept), [format!("[],{on}"), format!("{on},[]")][side].clone());
+        return Ok(format!(
+            "{{\"near\":[{a},{b}],\"within\":\"{within}\",\"on\":[{on}]{at}}}"
+        ));
     }
     let relative = RelativePose::new(&x, &y).map_err(|_| refused("a pose is out of range"))?;
     let (groups, reach) = (
@@ -91,8 +106,32 @@ pub(super) fn meeting(
         Some(on) => Ok(format!(
             "{{\"near\":[{a},{b}],\"within\":\"{within}\",\"on\":[{on}]{at}}}"
         )),
-        None => Err(refused("they touch, and no common point is certain")),
+        None => Err(refused(UNCERTAIN)),
     }
+}
+
+/// Returns the point of a body that is deepest in a half-space, if with its radius it is less than `least` above it. The
+/// pose of the half-space is first.
+fn lowest(
+    (normal, end): &(Vector3<f64>, f64),
+    body: &Body,
+    [floor, pose]: [&Isometry3<f64>; 2],
+    least: f64,
+) -> Option<usize> {
+    let n = floor.rotation * normal;
+    let height =
+        |k: usize| (n.dot(&((pose * body.points[k]) - Point3::from(floor.translation.vector))) - end) / n.norm();
+    let all: Vec<usize> = (0..body.points.len()).collect();
+    let parts: Vec<&[usize]> = match body.parts[..] {
+        [] => vec![&all],
+        ref parts => parts.iter().map(Vec::as_slice).collect(),
+    };
+    let above = parts.iter().enumerate().flat_map(|(part, points)| {
+        let radius = body.radius_of([part, part + 1]);
+        points.iter().map(move |k| (height(*k) - radius, *k))
+    });
+    let lowest = above.reduce(|x, y| if y.0 < x.0 { y } else { x })?;
+    (lowest.0 < least).then_some(lowest.1)
 }
 
 /// Returns weights of two points, one of each part, that are less than `reach` apart.

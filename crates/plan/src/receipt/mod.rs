@@ -51,8 +51,9 @@
 //! # What has no receipt
 //!
 //! * Bézier surfaces, and half-spaces that move.
-//! * Depths. Contacts and distances of cylinders, cones, ellipsoids, compounds with such a piece, and
-//!   half-spaces: no points of their surfaces are stated.
+//! * Depths, and distances from half-spaces.
+//! * Contacts and distances of cylinders, cones, ellipsoids and compounds with such a piece: no points of
+//!   their surfaces are stated.
 //! * A mesh that holds another body inside, without contact of their surfaces.
 //! * Tubes, moving obstacles, and motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]).
 //! * Undecided answers.
