@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use roxmltree::{Document, ParsingOptions};
 
 use crate::error::FileErrorKind;
+use crate::xml_text::XmlText;
 
 /// Folders in which packages are searched.
 ///
@@ -112,6 +113,7 @@ fn declared_name(folder: &Path) -> Option<String> {
         allow_dtd: true,
         ..ParsingOptions::default()
     };
+    let text = XmlText::new(&text).text;
     let document = Document::parse_with_options(&text, options).ok()?;
     let mut elements = document.root_element().children();
     let name = elements.find(|n| n.has_tag_name("name"))?;

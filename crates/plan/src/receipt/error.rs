@@ -57,7 +57,7 @@ pub enum ReceiptError {
     #[error("the motion has a tube around it (expected a motion without a tube)")]
     Tube,
     /// Returned if a pair has no evidence that a checker would accept.
-    #[error("{a} and {b} have no evidence from time {from:?} to {until:?}: {why}")]
+    #[error("{a} and {b} have no evidence {}: {why}", when(*.from, *.until))]
     Pair {
         /// Name of the first body.
         a: String,
@@ -79,4 +79,11 @@ pub enum ReceiptError {
     /// Returned if a cast is invalid.
     #[error(transparent)]
     Impact(#[from] ImpactError),
+}
+
+fn when(from: f64, until: f64) -> String {
+    match from == until {
+        true => format!("at time {from:?}"),
+        false => format!("from time {from:?} to {until:?}"),
+    }
 }
