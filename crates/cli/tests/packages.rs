@@ -37,7 +37,9 @@ fn found(mesh: &str, folder: &Path, packages: &Packages) -> Result<usize, FileEr
 }
 
 fn package_xml(name: &str) -> String {
-    format!("<?xml version=\"1.0\"?>\n<!DOCTYPE package>\n<package format=\"3\">\n  <!-- a tool -- or two -->\n  <name> {name}\n</name></package>")
+    format!(
+        "<?xml version=\"1.0\"?>\n<!DOCTYPE package>\n<package format=\"3\">\n  <!-- a tool -- or two -->\n  <name> {name}\n</name></package>"
+    )
 }
 
 /// The tool finds a package above a URDF from every current folder and by every relative path.

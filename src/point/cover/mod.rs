@@ -173,9 +173,9 @@ pub enum CoverError {
 /// The balls depend on nothing but the geometry and the goal. The number of balls is at most that
 /// of the goal, not the least possible one.
 ///
-/// The cost is that of [distances of points](crate::PointQuery): of 4,000 balls or 20,000 triangles,
-/// 20,000 to 120,000 of them for up to 64 balls, and up to 800,000 for 1,024. A goal of a gap starts
-/// again with more balls, and computes up to 1,500,000: then it takes seconds.
+/// The cost is that of [distances of points](crate::PointQuery): of 4,000 balls or 20,000
+/// triangles, 20,000 to 120,000 of them for up to 64 balls, and up to 800,000 for 1,024. A goal of
+/// a gap starts again with more balls, and computes up to 1,500,000: then it takes seconds.
 ///
 /// ```
 /// use lin_canny::Shape;
@@ -211,8 +211,8 @@ pub fn cover_outside<'a>(geometry: impl Into<GeometryRef<'a>>, goal: CoverGoal) 
 /// those that the balls before it leave out. There are fewer balls than requested if no sample is
 /// left. Each ball of a compound or cloud is inside one of its pieces.
 ///
-/// The cost is that of distances of points: of a cloud of 4,000 balls, 15,000 to 120,000 of them for
-/// 8 balls, and up to 1,400,000 for 1,024. If all the balls of the cloud overlap, these take 10 s.
+/// The cost is that of distances of points: of a cloud of 4,000 balls, 15,000 to 120,000 of them
+/// for 8 balls, and up to 1,400,000 for 1,024. If all balls of the cloud overlap, these take 10 s.
 ///
 /// ```
 /// use lin_canny::Shape;
