@@ -675,7 +675,7 @@ fn wrong_meshes_are_named() {
             (
                 "attributes",
                 json!({"POSITION": 1}),
-                "a quantized POSITION (KHR_mesh_quantization)",
+                "a quantized POSITION (expected KHR_mesh_quantization in extensionsUsed)",
             ),
             ("indices", json!(0), "accessors[0] is invalid"),
             ("indices", json!(2), "accessors[2] does not exist"),
@@ -738,7 +738,7 @@ fn wrong_meshes_are_named() {
         (
             "/accessors/0/componentType",
             json!(5123),
-            "accessors[0]: a quantized POSITION",
+            "accessors[0] is a quantized POSITION",
         ),
         (
             "/accessors/0/componentType",
@@ -748,7 +748,7 @@ fn wrong_meshes_are_named() {
         (
             "/accessors/0/normalized",
             json!(true),
-            "accessors[0]: a quantized POSITION",
+            "accessors[0] has an invalid componentType: 5126",
         ),
         (
             "/accessors/0/type",
@@ -1406,4 +1406,73 @@ fn numbers(value: &Value, path: String, paths: &mut Vec<String>) {
         Value::Number(_) => paths.push(path),
         _ => {}
     }
+}
+
+/// The positions of a box in integers of each type that the extension allows, as they are and normalised, at a node that
+/// makes metres of them.
+#[test]
+fn quantized_positions_are_read() {
+    for (component, largest) in [(5120, 127), (5121, 255), (5122, 32767), (5123, 65535)] {
+        for is_normalized in [false, true] {
+            let mut gltf = Gltf::empty();
+            let is_signed = component % 2 == 0;
+            // The box is from -1 to 1, or from 0 to 1.
+            let number = |x: f64| match is_signed {
+                true => (x * f64::from(largest)) as i32,
+                false => (f64::from(x > 0.0) * f64::from(largest)) as i32,
+            };
+            let numbers: Vec<i32> = BOX.as_flattened().iter().map(|x| number(x.signum())).collect();
+            let size = if component < 5122 { 1 } else { 2 };
+            // Elements are aligned to four bytes.
+            let mut bytes = Vec::new();
+            for point in numbers.chunks(3) {
+                point.iter().for_each(|x| bytes.extend(&x.to_le_bytes()[..size]));
+                bytes.resize(bytes.len().next_multiple_of(4), 0);
+            }
+            let view = gltf.view(&bytes);
+            gltf.json["bufferViews"][view]["byteStride"] = (4 * size).into();
+            let positions = gltf.accessor(view, component, "VEC3", BOX.len());
+            gltf.json["accessors"][positions]["normalized"] = is_normalized.into();
+            let indices: Vec<u32> = TRIANGLES.iter().flatten().map(|k| *k as u32).collect();
+            let indices = gltf.indices(5123, &indices);
+            gltf.primitive(json!({"attributes": {"POSITION": positions}, "indices": indices}));
+            let scale = if is_normalized { 1.0 } else { 1.0 / f64::from(largest) };
+            gltf.json["nodes"][0]["scale"] = json!([scale, scale, scale]);
+            assert!(gltf.clone().fault().contains("is a quantized POSITION"), "{component}");
+            gltf.json["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
+            gltf.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+            let (points, triangles) = gltf.read().whole();
+            assert_eq!((points.len(), triangles.len()), (8, 12));
+            let low = if is_signed { -1.0 } else { 0.0 };
+            for x in points
+                .iter()
+                .flat_map(|p| *p)
+            {
+                assert!(
+                    (x - low).abs() < 1e-15 || (x - 1.0).abs() < 1e-15,
+                    "{component} {is_normalized} {x}"
+                );
+            }
+        }
+    }
+    // The least number of a signed type is -1, too.
+    let mut gltf = Gltf::empty();
+    let bytes: Vec<u8> = [[-128i8, -127, 127], [127, -128, 0], [0, 127, -128]]
+        .iter()
+        .flat_map(|point| [point[0] as u8, point[1] as u8, point[2] as u8, 0])
+        .collect();
+    let view = gltf.view(&bytes);
+    gltf.json["bufferViews"][view]["byteStride"] = 4.into();
+    let positions = gltf.accessor(view, 5120, "VEC3", 3);
+    gltf.json["accessors"][positions]["normalized"] = true.into();
+    gltf.primitive(json!({"attributes": {"POSITION": positions}}));
+    gltf.json["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
+    let (points, _) = gltf.read().whole();
+    assert!(
+        points
+            .iter()
+            .flat_map(|p| p.iter())
+            .all(|x| [-1.0, 0.0, 1.0].contains(x)),
+        "{points:?}"
+    );
 }

@@ -279,12 +279,14 @@ impl Component {
         matches!(self, Self::U8 | Self::U16 | Self::U32)
     }
 
-    /// Returns the largest number of an unsigned type.
-    pub(super) fn largest(self) -> f64 {
+    /// Returns the largest number of a type of integers.
+    fn largest(self) -> f64 {
         match self {
+            Self::I8 => f64::from(i8::MAX),
             Self::U8 => f64::from(u8::MAX),
+            Self::I16 => f64::from(i16::MAX),
             Self::U16 => f64::from(u16::MAX),
-            _ => f64::from(u32::MAX),
+            Self::U32 | Self::F32 => f64::from(u32::MAX),
         }
     }
 
@@ -336,9 +338,24 @@ impl Accessor<'_> {
         self.component == Component::F32 && !self.is_normalized
     }
 
+    /// Returns whether the elements are integers that `KHR_mesh_quantization` allows for positions.
+    pub(super) fn is_quantized(&self) -> bool {
+        !matches!(self.component, Component::U32 | Component::F32)
+    }
+
+    /// Returns an element, as [`stored`](Self::stored); a normalised number is from 0 or -1 to 1.
+    pub(super) fn get<const N: usize>(&self, index: usize) -> [f64; N] {
+        let stored = self.stored(index);
+        match self.is_normalized {
+            // The least number of a signed type is -1, as the one above it.
+            true => stored.map(|x| (x / self.component.largest()).max(-1.0)),
+            false => stored,
+        }
+    }
+
     /// Returns an element: its first `N` numbers. The index must be below the count, and `N` at most
     /// the width.
-    pub(super) fn get<const N: usize>(&self, index: usize) -> [f64; N] {
+    fn stored<const N: usize>(&self, index: usize) -> [f64; N] {
         let sparse = self.sparse.as_ref();
         let replaced = sparse.and_then(|s| Some((&s.values, s.numbers.binary_search(&index).ok()?)));
         let Some(((bytes, start, stride), index)) = replaced.or(self.data.as_ref().map(|data| (data, index))) else {

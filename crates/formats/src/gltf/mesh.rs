@@ -22,6 +22,8 @@ const NUMBER: usize = 8;
 pub(super) struct Meshes<'a> {
     pub(super) buffers: Buffers<'a>,
     pub(super) skipped: SkippedList,
+    /// The file uses `KHR_mesh_quantization`: positions may be integers.
+    pub(super) is_quantized: bool,
     /// Number of bytes of objects and corners that may still follow.
     left: usize,
 }
@@ -32,6 +34,7 @@ impl<'a> Meshes<'a> {
         Self {
             buffers,
             skipped,
+            is_quantized: false,
             left: size.saturating_mul(SCENE.1).saturating_add(SCENE.0),
         }
     }
@@ -97,10 +100,15 @@ impl<'a> Meshes<'a> {
         let Some(positions) = self.buffers.accessor(&attributes, "POSITION")? else {
             return Err(item.malformed("has no attribute POSITION"));
         };
-        if !positions.is_float() {
+        if !positions.is_float() && !positions.is_quantized() {
             return Err(positions
                 .item
-                .unsupported("a quantized POSITION (KHR_mesh_quantization)"));
+                .invalid("componentType", "5120 to 5123, or 5126 for POSITION"));
+        }
+        if !positions.is_float() && !self.is_quantized {
+            return Err(positions
+                .item
+                .malformed("is a quantized POSITION (expected KHR_mesh_quantization in extensionsUsed)"));
         }
         if positions.width != 3 {
             return Err(positions.item.invalid("type", "VEC3 for POSITION"));
@@ -290,13 +298,8 @@ impl Vertices<'_, '_> {
     fn moved(&mut self, item: &Item, vertex: usize, point: [f64; 3], joints: &[Matrix]) -> Result<[f64; 3], Fault> {
         let (mut sum, mut moved) = (0.0, [0.0; 3]);
         for [numbers, weights] in &self.influences {
-            let (numbers, values): ([f64; 4], [f64; 4]) = (numbers.get(vertex), weights.get(vertex));
-            let largest = if weights.is_float() {
-                1.0
-            } else {
-                weights.component.largest()
-            };
-            for (joint, weight) in numbers.into_iter().zip(values.map(|x| x / largest)) {
+            let (numbers, weights): ([f64; 4], [f64; 4]) = (numbers.get(vertex), weights.get(vertex));
+            for (joint, weight) in numbers.into_iter().zip(weights) {
                 if weight == 0.0 {
                     continue;
                 }

@@ -26,9 +26,11 @@ use buffer::Buffers;
 use json::Item;
 use mesh::Meshes;
 
-/// Extensions that change no position. Positions of `KHR_mesh_quantization` are errors by their
-/// type.
-const HARMLESS: [&str; 23] = [
+/// The extension that allows integers as positions.
+const QUANTIZED: &str = "KHR_mesh_quantization";
+
+/// Extensions that change no position.
+const HARMLESS: [&str; 22] = [
     "EXT_texture_avif",
     "EXT_texture_webp",
     "KHR_lights_punctual",
@@ -46,7 +48,6 @@ const HARMLESS: [&str; 23] = [
     "KHR_materials_unlit",
     "KHR_materials_variants",
     "KHR_materials_volume",
-    "KHR_mesh_quantization",
     "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp",
@@ -118,17 +119,19 @@ impl<'a> Reader<'a> {
             let Some(name) = name.as_str() else {
                 return Err(root.malformed("has an invalid extensionsRequired (expected strings)"));
             };
-            if !HARMLESS.contains(&name) {
+            if name != QUANTIZED && !HARMLESS.contains(&name) {
                 let shown: String = name.chars().take(50).collect();
                 let what = format!("the required extension {shown:?}");
                 return Err(root.unsupported(what));
             }
         }
-        let used: Vec<&str> = root
+        let mut used: Vec<&str> = root
             .list("extensionsUsed")?
             .iter()
             .filter_map(|name| name.as_str())
             .collect();
+        self.meshes.is_quantized = used.contains(&QUANTIZED);
+        used.retain(|name| *name != QUANTIZED);
         if !used.is_empty() {
             self.meshes
                 .skipped
