@@ -1444,10 +1444,7 @@ fn quantized_positions_are_read() {
             let (points, triangles) = gltf.read().whole();
             assert_eq!((points.len(), triangles.len()), (8, 12));
             let low = if is_signed { -1.0 } else { 0.0 };
-            for x in points
-                .iter()
-                .flat_map(|p| *p)
-            {
+            for x in points.iter().flat_map(|p| *p) {
                 assert!(
                     (x - low).abs() < 1e-15 || (x - 1.0).abs() < 1e-15,
                     "{component} {is_normalized} {x}"

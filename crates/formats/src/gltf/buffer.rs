@@ -348,7 +348,9 @@ impl Accessor<'_> {
         let stored = self.stored(index);
         match self.is_normalized {
             // The least number of a signed type is -1, as the one above it.
-            true => stored.map(|x| (x / self.component.largest()).max(-1.0)),
+            true => stored
+                .map(|x| x / self.component.largest())
+                .map(|x| if x < -1.0 { -1.0 } else { x }),
             false => stored,
         }
     }
