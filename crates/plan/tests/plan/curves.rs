@@ -5,7 +5,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
     Cell, CertifyOptions, Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointMotion, JointTree,
-    JointTube, PlanError, PlanarSpace, RigidSpace, TranslationSpace, TreeJoint, Verdict,
+    JointTube, PlanError, PlanarSpace, RigidSpace, SegmentMotion, TranslationSpace, TreeJoint, Verdict,
 };
 use truth::arm::chain::posts;
 use truth::rng::Rng;
@@ -1209,4 +1209,52 @@ fn curves_are_stored_with_their_errors() {
     ] {
         assert!(serde_json::from_str::<JointCurve>(bad).is_err(), "{bad}");
     }
+}
+
+/// Points of bodies stay within the bound of their chords, and the bound is near for one joint that turns.
+#[test]
+fn points_stay_near_their_chords() {
+    let mut rng = Rng::new(77);
+    let mut closest = 0.0f64;
+    for round in 0..60 {
+        let (space, _) = match round % 3 {
+            0 => chain(1),
+            1 => chain(6),
+            _ => carriage(),
+        };
+        let (coordinates, degree) = (space.bounds().len(), 1 + rng.below(7));
+        let way = [0.05, 0.3, 1.0][rng.below(3)];
+        let mut points = vec![vec![0.0; coordinates]];
+        for _ in 0..degree {
+            let last = &points[points.len() - 1];
+            points.push(
+                last.iter()
+                    .map(|x| (x + rng.range(-way, way)).clamp(-0.9, 0.9))
+                    .collect(),
+            );
+        }
+        let segment = space
+            .curve(&JointCurve::bezier(&points).expect("a curve"))
+            .expect("a motion");
+        let (parts, reach) = (1u32 << rng.below(5), rng.range(0.01, 1.0));
+        for body in 0..3.min(space.bodies()) {
+            let bound = segment.chord_deviation(body, reach, parts);
+            let point = Point3::from(reach * Vector3::new(rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), 1.0).normalize());
+            let at = |time: f64| segment.pose(body, time) * point;
+            for part in 0..parts {
+                let [from, until] = [part, part + 1].map(|k| f64::from(k) / f64::from(parts));
+                let (start, end) = (at(from), at(until));
+                for k in 1..16 {
+                    let u = f64::from(k) / 16.0;
+                    let off = (at(from + u * (until - from)) - (start + (end - start) * u)).norm();
+                    assert!(off <= bound, "{round}: {off} {bound}, degree {degree}, {parts} parts");
+                    if round % 3 == 0 && bound > 1e-9 {
+                        closest = closest.max(off / bound);
+                    }
+                }
+            }
+        }
+    }
+    println!("the farthest point is at {closest} of its bound");
+    assert!(closest > 0.7, "{closest}");
 }
