@@ -67,7 +67,7 @@ def test_pairs():
     assert "left and right are at least 0.99999" in proven(apart)
     deep = proven(tracker.receipt(die, die, pose_b=((0.7, 0.3, 0.2), (0, 0, 0, 1))))
     assert "a and b share a point" in deep
-    with pytest.raises(lc.PairError, match="a half-space .* proves no distance"):
+    with pytest.raises(lc.PairError, match="a half-space proves no distance"):
         tracker.receipt(die, lc.Geometry.half_space([0, 0, 1], -5.0))
 
 
