@@ -450,7 +450,7 @@ class Body:
 
     def read_ellipsoids(self, value):
         """The number of the centre and the semi-axes of each ellipsoid."""
-        need(0 < len(array(value)) <= 1 << 14, "a body has 1 to 16384 ellipsoids")
+        need(0 < len(array(value)) <= 1 << 18, "a body has 1 to 262144 ellipsoids")
         all_ = [(whole(k), [numbers(v, 3) for v in array(axes)]) for k, axes in (array(x, 2) for x in value)]
         sane = all(k < len(self.points) and len(axes) <= 3 and any(map(any, axes)) for k, axes in all_)
         need(sane, "an ellipsoid about an unknown point, without extent, or with more than three axes")

@@ -5,7 +5,9 @@ use lin_canny::impact::Tolerance;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{ContactState, Geometry, PairTracker, RelativePose, Shape, Tracker};
+use lin_canny::{
+    Compound, ContactState, Geometry, HalfSpace, PairTracker, Piece, RelativePose, Shape, Tracker, Velocity,
+};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
     Cell, CellBody, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, PlanarSpace,
@@ -700,4 +702,33 @@ fn ninety_paths_past_a_round_post_have_receipts() {
     }
     println!("past a post, with a receipt: {counts:?}");
     assert_eq!(counts, [90, 90]);
+}
+
+#[test]
+fn two_half_spaces_have_no_receipt_of_a_contact() {
+    let wall =
+        |x: f64, offset: f64| Geometry::from(HalfSpace::new(Vector3::new(x, 0.0, 1.0), offset).expect("a plane"));
+    let (a, b, at) = (wall(0.0, -1.0), wall(1.0, -2.0), Isometry3::identity());
+    let pose = RelativePose::from_isometry(&at).expect("a pose");
+    let outcome = PairTracker::new().closest(&a, &b, &pose).outcome;
+    let error = Receipt::outcome([("a", &a), ("b", &b)], &at, &outcome).unwrap_err();
+    assert!(error.to_string().contains("half-space"), "{error}");
+}
+
+/// As many ends of cylinders as a checker reads, and more than it evaluates often.
+#[test]
+fn a_body_of_many_cylinders_has_a_receipt() {
+    let rod = Shape::cylinder(0.01, 0.01).expect("a rod");
+    let piece = |k: u32| Piece {
+        pose: Isometry3::translation(0.1 * f64::from(k % 100), 0.1 * f64::from(k / 100), 0.0),
+        ..Piece::new(rod.clone())
+    };
+    let brush = Geometry::from(Compound::new((0..9000).map(piece).collect()).expect("a brush"));
+    let die = Geometry::from(solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
+    let at = Isometry3::translation(0.0, 0.0, 40.0);
+    let rest = Steady::new(&Isometry3::identity(), Velocity::default()).expect("rest");
+    let flight = Steady::new(&at, Velocity::new(Vector3::x(), Vector3::zeros())).expect("a motion");
+    let bodies = [("brush", &brush), ("die", &die)];
+    let receipt = Receipt::cast(bodies, [&rest, &flight], 0.0..1.0, Tolerance::Distance(1e-6), 0.0);
+    holds(&receipt.expect("a receipt"));
 }

@@ -22,7 +22,7 @@ use crate::taylor::{Taylor, below};
 use crate::vectors::{Vector, dot, fixed3};
 
 /// Most ellipsoids of a body.
-const MOST: usize = 1 << 14;
+const MOST: usize = 1 << 18;
 
 /// An ellipsoid about a point of its body.
 #[derive(Debug)]

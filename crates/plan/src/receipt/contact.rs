@@ -66,6 +66,9 @@ pub(super) fn meeting(
     if [first, second].iter().any(|body| !body.ellipsoids.is_empty()) {
         return Err(refused("a curved body proves no contact"));
     }
+    if first.half.is_some() && second.half.is_some() {
+        return Err(refused("two half-spaces prove no contact"));
+    }
     let halves = [first.half, second.half].into_iter().enumerate();
     if let Some((side, half)) = halves.filter_map(|(k, half)| Some((k, half?))).next() {
         let (body, poses) = ([second, first][side], [[&x, &y], [&y, &x]][side]);

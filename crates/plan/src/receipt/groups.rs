@@ -46,8 +46,13 @@ impl Group {
         named.sort_unstable();
         named.dedup();
         let cloud: Vec<Point3<f64>> = named.iter().map(|k| body.points[*k]).collect();
-        let about = |of: &&Ellipsoid| named.binary_search(&of.centre).is_ok();
-        let ellipsoids: Vec<Ellipsoid> = body.ellipsoids.iter().filter(about).cloned().collect();
+        // Sorted by their points, of which each has one at most.
+        let about = |k: &usize| body.ellipsoids.binary_search_by_key(k, |of| of.centre).ok();
+        let ellipsoids: Vec<Ellipsoid> = named
+            .iter()
+            .filter_map(about)
+            .map(|k| body.ellipsoids[k].clone())
+            .collect();
         if !ellipsoids.is_empty() {
             let samples = ellipsoids.iter().flat_map(Ellipsoid::samples);
             let nearly: Vec<Point3<f64>> = cloud.iter().copied().chain(samples).collect();

@@ -139,7 +139,7 @@ impl Body {
         body.checked()
     }
 
-    /// Returns why a line names points of the body as a contact or a distance of it, if they are none.
+    /// Returns whether the receipt states no points of the surface of the body.
     pub(super) fn has_no_points(&self) -> bool {
         !self.ellipsoids.is_empty() || self.half.is_some()
     }
