@@ -14,7 +14,7 @@ use lin_canny::polyhedron::ConvexPolyhedron;
 use lin_canny::shape::Core;
 use lin_canny::{Compound, Geometry, Mesh, MeshKind, Piece, Shape};
 
-/// Directions along which points of an ellipsoid are taken, for a hull that is nearly the body.
+/// Directions along which points of an ellipsoid are taken, for a hull that is nearly the body. Not measured.
 const SIDES: u32 = 16;
 
 /// An ellipsoid about a point of a body, or an ellipse, which is one with two semi-axes.
@@ -192,7 +192,7 @@ impl StatedParts {
     }
 }
 
-/// Returns a piece as a body of its own.
+/// Returns a compound of one piece.
 fn alone(piece: &Piece) -> Option<Geometry> {
     Compound::new(vec![piece.clone()]).ok().map(Geometry::from)
 }
