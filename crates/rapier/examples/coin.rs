@@ -74,10 +74,10 @@ fn lay(engine: Engine, sides: usize, on_space: bool) -> Lying {
 
 fn draw(coins: &[(Engine, Vec<Lying>)]) -> String {
     let title = "Coins of 4 to 128 sides, laid flat on a half-space, after ten seconds";
-    let mut picture = Svg::new(960, 350, title);
+    let mut picture = Svg::new(960, 375, title);
     picture.words([480.0, 26.0], 17, "middle", title);
     for (row, (engine, coins)) in coins.iter().enumerate() {
-        let base = 125.0 + 140.0 * row as f64;
+        let base = 125.0 + 165.0 * row as f64;
         picture.words(
             [16.0, base - 56.0],
             15,
@@ -100,7 +100,7 @@ fn draw(coins: &[(Engine, Vec<Lying>)]) -> String {
             );
             hulls(
                 &mut picture,
-                [960.0, 350.0],
+                [960.0, 375.0],
                 &view,
                 &[Drawn {
                     body: coin.scene.hulls[0].body(),

@@ -277,18 +277,22 @@ impl<'a> Reader<'a> {
     fn values(&self, node: &Node<'a, 'a>, joint: usize) -> Result<Vec<(String, f64)>, FileError> {
         let xml = self.xml;
         let joint = &self.robot.joints()[joint];
+        let angles = |xyzw: [f64; 4]| {
+            let turn = from_xyzw(xyzw).ok_or_else(|| {
+                let field = "length of the quaternion".into();
+                xml.error(node, FileErrorKind::Range { field, value: 0.0 })
+            })?;
+            Ok::<_, FileError>(to_roll_pitch_yaw(&turn))
+        };
         let numbers = match joint.kind {
             // Some files give a fixed joint the seven numbers of its pose.
             MotionKind::Fixed => Vec::new(),
             MotionKind::Planar => xml.needed_numbers::<3>(node, "value")?.to_vec(),
             MotionKind::Floating => {
-                let [x, y, z, i, j, k, w] = xml.needed_numbers(node, "value")?;
-                let turn = from_xyzw([i, j, k, w]).ok_or_else(|| {
-                    let field = "length of the quaternion".into();
-                    xml.error(node, FileErrorKind::Range { field, value: 0.0 })
-                })?;
-                [[x, y, z], to_roll_pitch_yaw(&turn)].concat()
+                let [x, y, z, turn @ ..] = xml.needed_numbers::<7>(node, "value")?;
+                [[x, y, z], angles(turn)?].concat()
             }
+            MotionKind::Ball => angles(xml.needed_numbers(node, "value")?)?.to_vec(),
             _ => xml.needed_numbers::<1>(node, "value")?.to_vec(),
         };
         let names = match joint.kind.coordinate_names() {

@@ -33,6 +33,14 @@ pub(crate) struct FileJoint {
     pub(crate) follows: Option<Follows>,
 }
 
+impl FileJoint {
+    /// Returns the limits that the file states, and others where it states none.
+    fn bounded(&self, open: [f64; 2]) -> [f64; 2] {
+        let or = |value: f64, open: f64| if value.is_finite() { value } else { open };
+        [or(self.limits[0], open[0]), or(self.limits[1], open[1])]
+    }
+}
+
 /// The joint that a joint follows: its value is `factor` times the value of that joint, and
 /// `offset`.
 pub(crate) struct Follows {
@@ -191,11 +199,11 @@ impl File<'_> {
             }
             coordinates.extend(joint.kind.coordinate_names().iter().map(|part| Coordinate {
                 name: format!("{}/{part}", joint.name),
-                limits: if part.len() == 1 {
+                limits: joint.bounded(if part.len() == 1 {
                     self.options.floating_limits
                 } else {
                     self.options.continuous_limits
-                },
+                }),
                 velocity: None,
             }));
         }
@@ -283,8 +291,7 @@ impl File<'_> {
             0.0 => open,
             drawn => containing(open, drawn),
         };
-        let or = |value: f64, open: f64| if value.is_finite() { value } else { open };
-        [or(joint.limits[0], open[0]), or(joint.limits[1], open[1])]
+        joint.bounded(open)
     }
 
     fn wrong_joint(&self, joint: usize, reason: FileErrorKind) -> FileError {

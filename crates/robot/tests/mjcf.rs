@@ -64,7 +64,7 @@ fn aabb(geometry: &Geometry, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>
 fn small_files_are_as_in_mujoco() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/mujoco");
     let expected = format!("{folder}/expected.jsonl");
-    assert_eq!(compare(&expected, folder), (16, Vec::new()));
+    assert_eq!(compare(&expected, folder), (17, Vec::new()));
 }
 
 /// Compares with the results of `mujoco/poses.py` in the file that the variable `MUJOCO_POSES`
@@ -297,7 +297,8 @@ fn faults_are_named_with_line_and_element() {
         (with("<geom type=\"capsule\" size=\"1\" pos=\"1 0 0\" fromto=\"0 0 0 0 0 1\"/>"), 5, "both pos and fromto"),
         (with("<geom size=\"1\" contype=\"0.5\"/>"), 5, "invalid contype"),
         (with("<geom size=\"1\"><plugin/></geom>"), 5, "a geom of a plugin is not supported"),
-        (with("<joint type=\"ball\"/>"), 5, "a joint of type \"ball\" is not supported"),
+        (with("<joint name=\"k\" type=\"ball\"/><joint name=\"l\"/>"), 5, "hinge or ball joint after a ball joint"),
+        (with("<joint name=\"k\" type=\"ball\" range=\"10 20\"/>"), 5, "invalid range of a ball joint: 10 to 20 (expected 0 to an angle)"),
         (with("<joint name=\"j\"/>"), 5, "name is already in use"),
         (with("<joint axis=\"0 0 0\"/>"), 5, "length of the axis"),
         (with("<joint limited=\"true\" range=\"2 1\"/>"), 5, "invalid range of a limited joint: 2 to 1 (expected"),

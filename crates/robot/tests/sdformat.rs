@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use lin_canny::Geometry;
-use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use lin_canny::nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use lin_canny_plan::{Cell, CellBody, Checker, ConfigurationSpace};
 use lin_canny_robot::{CellFile, FileError, FileErrorKind, LoadOptions, MotionKind, Packages, Robot};
 use rand::{RngExt, SeedableRng};
@@ -1132,10 +1132,105 @@ fn versions_have_their_attributes() {
     assert!(error.to_string().contains("attribute version is missing"), "{error}");
 }
 
+/// A ball joint turns by its angles about its place, a universal joint about two axes, and a screw
+/// slides as it turns; a mimic may follow the second axis.
+#[test]
+fn joints_with_several_coordinates_move_their_links() {
+    let two = link("a", "") + &link("b", "");
+    let at = "<pose>0.1 0.2 0.3 0 0 0</pose>";
+    let axis2 = "<axis2><xyz>1 0 0</xyz><limit><lower>-1</lower><upper>2</upper></limit></axis2>";
+    let screw = |pitch: &str| format!("{at}{AXIS}{pitch}");
+    let place = Translation3::new(0.1, 0.2, 0.3);
+    let turn = |axis: Vector3<f64>, angle: f64| UnitQuaternion::from_axis_angle(&Unit::new_normalize(axis), angle);
+    let about = |turn: UnitQuaternion<f64>| place * turn * place.inverse();
+    let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()];
+    let slide = |pitch: f64| Translation3::new(0.0, 0.0, pitch * 0.7 / std::f64::consts::TAU) * about(turn(z, 0.7));
+    let ball = about(turn(z, -0.4) * turn(y, 1.1) * turn(x, 0.7));
+    let rows = [
+        ("ball", at.into(), vec!["j/roll", "j/pitch", "j/yaw"], ball),
+        (
+            "ball",
+            format!("{at}{AXIS}{axis2}"),
+            vec!["j/roll", "j/pitch", "j/yaw"],
+            ball,
+        ),
+        (
+            "universal",
+            format!("{at}{AXIS}{axis2}"),
+            vec!["j/axis", "j/axis2"],
+            about(turn(z, 0.7) * turn(x, 1.1)),
+        ),
+        (
+            "revolute2",
+            format!("{at}{AXIS}{axis2}"),
+            vec!["j/axis", "j/axis2"],
+            about(turn(z, 0.7) * turn(x, 1.1)),
+        ),
+        ("screw", screw(""), vec!["j"], slide(1.0)),
+        (
+            "screw",
+            screw("<screw_thread_pitch>0.5</screw_thread_pitch><thread_pitch>0</thread_pitch>"),
+            vec!["j"],
+            slide(0.5),
+        ),
+        (
+            "screw",
+            screw("<thread_pitch>-4</thread_pitch>"),
+            vec!["j"],
+            slide(0.5 * std::f64::consts::PI),
+        ),
+    ];
+    for (kind, inside, names, expected) in rows {
+        let robot = parse(&model("1.9", &(two.clone() + &joint("j", kind, "a", "b", &inside)))).expect(kind);
+        let found: Vec<&str> = robot.coordinates().iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(found, names, "{kind}");
+        assert_eq!(robot.adjacent().len(), 1, "{kind}");
+        let q = &[0.7, 1.1, -0.4][..names.len()];
+        let poses = poses_at(&robot, q);
+        let found = poses.iter().find(|(name, _)| name == "b").expect("the body").1;
+        assert!(
+            (found.to_homogeneous() - expected.to_homogeneous()).amax() < 1e-14,
+            "{kind}: {found} {expected}"
+        );
+        if names.len() == 2 {
+            assert_eq!(robot.coordinates()[1].limits, [-1.0, 2.0]);
+        }
+    }
+    let three = two + &link("c", "");
+    let universal = joint("j", "universal", "a", "b", &format!("{AXIS}{axis2}"));
+    let mimic = "<mimic joint=\"j\" axis=\"axis2\"><multiplier>2</multiplier><offset>0</offset><reference>0</reference></mimic>";
+    let follower = joint(
+        "k",
+        "revolute",
+        "a",
+        "c",
+        &AXIS.replace("</axis>", &format!("{mimic}</axis>")),
+    );
+    let robot = parse(&model("1.11", &(three + &universal + &follower))).expect("a robot");
+    let poses = poses_at(&robot, &[0.7, 0.3]);
+    let found = poses.iter().find(|(name, _)| name == "c").expect("the body").1;
+    assert!((found.rotation.angle() - 0.6).abs() < 1e-14);
+    for (kind, inside, words) in [
+        ("universal", AXIS.to_owned(), "element axis2 is missing"),
+        (
+            "screw",
+            screw("<thread_pitch>0</thread_pitch>"),
+            "pitch of the thread is out of range",
+        ),
+    ] {
+        let text = model(
+            "1.9",
+            &(link("a", "") + &link("b", "") + &joint("j", kind, "a", "b", &inside)),
+        );
+        let error = parse(&text).expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
 #[test]
 fn joints_of_other_kinds_and_other_shapes_are_named() {
     let two = link("a", "") + &link("b", "");
-    for kind in ["ball", "universal", "revolute2", "screw", "gearbox", "planar"] {
+    for kind in ["gearbox", "planar"] {
         let error = parse(&model("1.9", &(two.clone() + &joint("j", kind, "a", "b", AXIS)))).expect_err(kind);
         assert!(
             error
@@ -1960,7 +2055,12 @@ fn mimic_joints_follow_their_leader() {
         (
             "1.11",
             follow("j", [1.0, 0.0, 0.0]).replace("joint=\"j\"", "joint=\"j\" axis=\"axis2\""),
-            "mimic of a second axis",
+            "second axis of joint \"j\" is missing",
+        ),
+        (
+            "1.11",
+            follow("j", [1.0, 0.0, 0.0]).replace("joint=\"j\"", "joint=\"j\" axis=\"axis3\""),
+            "invalid axis of a mimic: \"axis3\" (expected axis or axis2)",
         ),
         (
             "1.11",

@@ -25,6 +25,10 @@ pub enum MotionKind {
     /// Slides in the plane perpendicular to its axis and rotates about the axis: coordinates `x`,
     /// `y` and `theta`.
     Planar,
+    /// Rotates about the origin of its frame: the angles `roll`, `pitch` and `yaw` as in `rpy`. The
+    /// rotation is that about z by yaw, then about the rotated y by pitch, then about the rotated x by
+    /// roll, in radians. Along a straight motion all three angles change at constant rates.
+    Ball,
     /// Moves freely: coordinates `x`, `y`, `z`, and the angles `roll`, `pitch`, `yaw` as in `rpy`.
     Floating,
 }
@@ -35,6 +39,7 @@ impl MotionKind {
     pub fn coordinate_names(self) -> &'static [&'static str] {
         match self {
             Self::Planar => &["x", "y", "theta"],
+            Self::Ball => &["roll", "pitch", "yaw"],
             Self::Floating => &["x", "y", "z", "roll", "pitch", "yaw"],
             Self::Revolute | Self::Prismatic | Self::Fixed => &[],
         }
@@ -58,7 +63,7 @@ pub struct RobotJoint {
     pub axis: Unit<Vector3<f64>>,
     /// Drive of a revolute or prismatic joint; `None` for a fixed joint.
     ///
-    /// For a planar or floating joint, the drive of the first of its consecutive coordinates.
+    /// For a joint with several coordinates, the drive of the first of its consecutive coordinates.
     pub drive: Option<Drive>,
     /// The joint that this one mimics.
     pub mimics: Option<String>,
@@ -105,7 +110,7 @@ pub struct RobotLink {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coordinate {
-    /// Name of the joint; for a planar or floating joint with a suffix, such as `base/x`.
+    /// Name of the joint; for a joint with several coordinates with a suffix, such as `base/x`.
     pub name: String,
     /// Least and greatest value.
     pub limits: [f64; 2],
@@ -265,6 +270,7 @@ pub(super) fn consecutive(
             std::vec![slide(frame * x, 0), slide(frame * y, 1), turn(*axis, 2)]
         }
         // The rotation is the product of yaw, pitch and roll.
+        MotionKind::Ball => std::vec![turn(z, 2), turn(y, 1), turn(x, 0)],
         MotionKind::Floating => std::vec![
             slide(x, 0),
             slide(y, 1),

@@ -1,6 +1,7 @@
 //! Bodies, frames, copies and joints.
 
 use std::collections::{HashMap, HashSet};
+use std::f64::consts::FRAC_PI_2;
 
 use lin_canny::nalgebra::{Isometry3, Translation3, Unit, Vector3};
 
@@ -341,26 +342,30 @@ impl<'e> Model<'e> {
         let kind = match settings.get("type").unwrap_or("hinge") {
             "hinge" => MotionKind::Revolute,
             "slide" => MotionKind::Prismatic,
+            "ball" => MotionKind::Ball,
             // MuJoCo passes over all else that the joint and its class say.
             "free" => return Ok(BodyJoint::free(element.place.clone(), name)),
             kind => return Err(element.unsupported(format!("a joint of type {kind:?}"))),
         };
         let unit = match kind {
-            MotionKind::Revolute => self.source.compiler.angle,
-            _ => 1.0,
+            MotionKind::Prismatic => 1.0,
+            _ => self.source.compiler.angle,
         };
-        let axis = settings.numbers("axis")?.unwrap_or([0.0, 0.0, 1.0]);
+        let is_ball = kind == MotionKind::Ball;
+        let axis = settings.numbers("axis")?.filter(|_| !is_ball).unwrap_or([0.0, 0.0, 1.0]);
         let axis = direction(axis).ok_or_else(|| {
             let field = "length of the axis".into();
             wrong(FileErrorKind::Range { field, value: 0.0 })
         })?;
         let place = Vector3::from(settings.numbers::<3>("pos")?.unwrap_or_default());
         let anchor = scope.frame * lin_canny::nalgebra::Point3::from(place);
-        let reference = settings.numbers("ref")?.map_or(0.0, |[x]| x) * unit;
+        let reference = settings.numbers("ref")?.filter(|_| !is_ball).map_or(0.0, |[x]| x) * unit;
         let open = [f64::NEG_INFINITY, f64::INFINITY];
-        let limits = match (limited, settings.numbers::<2>("range")?) {
+        // Without a range, that of a ball joint is an angle of 0.
+        let range = settings.numbers::<2>("range")?.or(is_ball.then_some([0.0; 2]));
+        let limits = match (limited, range) {
             ("true", None) => return Err(wrong(FileErrorKind::Missing("attribute range".into()))),
-            ("true", Some([lower, upper])) if lower >= upper => {
+            ("true", Some([lower, upper])) if lower >= upper && !is_ball => {
                 let why = format!(
                     "invalid range of a limited joint: {lower} to {upper} (expected the first below the second)"
                 );
@@ -370,7 +375,16 @@ impl<'e> Model<'e> {
                 return Err(wrong(FileErrorKind::Missing("attribute limited".into())));
             }
             // Without a word of the file, a range limits the joint if it is one.
-            ("true" | "auto", Some(range)) if range[0] < range[1] => range.map(|x| x * unit),
+            ("true" | "auto", Some([lower, upper])) if lower < upper || limited == "true" => {
+                match is_ball {
+                    false => [lower * unit, upper * unit],
+                    true if lower != 0.0 => {
+                        let why = format!("invalid range of a ball joint: {lower} to {upper} (expected 0 to an angle)");
+                        return Err(wrong(FileErrorKind::Malformed(why)));
+                    }
+                    true => angles_within(upper * unit),
+                }
+            }
             _ => open,
         };
         let limits = if self.source.flags.has("limit") { limits } else { open };
@@ -401,6 +415,12 @@ impl<'e> Model<'e> {
                 self.groups_above.len() - 1
             }
         };
+        let turns = |joint: &BodyJoint| matches!(joint.kind, MotionKind::Ball | MotionKind::Revolute);
+        let ball = joints.iter().position(|joint| joint.kind == MotionKind::Ball);
+        if let Some(joint) = ball.and_then(|ball| joints[ball + 1..].iter().find(|joint| turns(joint))) {
+            let why = "hinge or ball joint after a ball joint of the same body (expected the ball joint after it)";
+            return Err(joint.place.error(FileErrorKind::Malformed(why.into())));
+        }
         let is_free = |joint: &BodyJoint| joint.kind == MotionKind::Floating;
         if let Some(joint) = joints.iter().find(|joint| is_free(joint)) {
             let why = "free joint of a body below another body, or with another joint (expected it alone)";
@@ -555,7 +575,7 @@ impl<'e> Model<'e> {
         factors.resize(5, 0.0);
         let has_value = |k: usize| matches!(self.joints[k].kind, MotionKind::Revolute | MotionKind::Prismatic);
         if !has_value(follower) || leader.is_some_and(|k| !has_value(k)) || self.joints[follower].follows.is_some() {
-            return Err(element.unsupported("equality of a joint that is free, held or follows another one"));
+            return Err(element.unsupported("equality of a joint that is free, a ball, held or follows another one"));
         }
         match leader {
             Some(_) if factors[2..].iter().any(|x| *x != 0.0) => {
@@ -606,5 +626,19 @@ impl BodyJoint {
             limits: [f64::NEG_INFINITY, f64::INFINITY],
             reference: 0.0,
         }
+    }
+}
+
+/// Returns limits of roll, pitch and yaw that contain all rotations by at most an angle.
+///
+/// Below a quarter turn, none of the three is larger than the angle of the rotation: x and z turn by
+/// at most that angle, and yaw, pitch and roll are angles of their projections. MuJoCo takes a
+/// negative angle as 0.
+fn angles_within(angle: f64) -> [f64; 2] {
+    let angle = if angle < 0.0 { 0.0 } else { angle };
+    if angle < FRAC_PI_2 {
+        [-angle, angle]
+    } else {
+        [f64::NEG_INFINITY, f64::INFINITY]
     }
 }

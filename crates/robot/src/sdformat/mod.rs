@@ -15,6 +15,7 @@ mod shape;
 mod values;
 
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::normalize_rotation;
@@ -136,6 +137,8 @@ struct Builder<'a> {
     frames: Vec<usize>,
     /// For each link, the parent of the joint that moves it.
     parents: Vec<Option<usize>>,
+    /// The names of further links, without bodies: between the parts of a joint.
+    between: Vec<String>,
 }
 
 impl<'a> Builder<'a> {
@@ -151,6 +154,7 @@ impl<'a> Builder<'a> {
             frames: std::iter::once(WORLD).chain(own).collect(),
             parents: vec![None; description.links.len() + 1],
             joints: Vec::new(),
+            between: Vec::new(),
             description,
             poses,
             options,
@@ -181,8 +185,7 @@ impl<'a> Builder<'a> {
             .collect();
         for (joint, ends) in joints.iter().zip(&ends) {
             if let Some(ends) = *ends {
-                let joint = builder.joint(joint, ends, &moving)?;
-                builder.joints.push(joint);
+                builder.joint(joint, ends, &moving)?;
             }
         }
         let fixed = base.map(|(frame, place)| builder.base(frame, &place)).transpose()?;
@@ -229,38 +232,78 @@ impl<'a> Builder<'a> {
         Ok(Some([parent, child]))
     }
 
-    /// Returns a joint of the file.
+    /// Adds a joint of the file. One with two axes has a link without bodies between them, and so
+    /// has a screw, which slides as it turns.
     fn joint(
-        &self,
+        &mut self,
         joint: &Joint,
-        [parent, child]: [usize; 2],
+        [mut parent, child]: [usize; 2],
         moving: &HashMap<usize, &Joint>,
-    ) -> Result<FileJoint, FileError> {
-        let frames = &self.description.frames;
-        let follows = joint.mimic.as_ref().map(|mimic| {
-            let unknown = || frames.unknown(&mimic.leader, "joint that moves");
-            let leader = moving.get(&frames.find(&mimic.leader)?).ok_or_else(unknown)?;
-            Ok(Follows {
-                joint: leader.name.clone(),
-                factor: mimic.multiplier,
-                offset: mimic.offset - mimic.multiplier * mimic.reference,
-            })
-        });
-        let (axis, stated) = &joint.axis;
-        let turn = self.poses.between(frames.number(stated)?, joint.frame).rotation;
-        Ok(FileJoint {
+    ) -> Result<(), FileError> {
+        let origin = self.origin(parent, child);
+        let single = |kind, axis, name: String| FileJoint {
             place: joint.place.clone(),
-            name: joint.name.clone(),
-            kind: joint.kind,
-            parent,
+            name,
+            kind,
+            parent: 0,
             child,
-            origin: self.origin(parent, child),
-            axis: turn * axis,
-            limits: joint.limits,
+            origin: Isometry3::identity(),
+            axis,
+            limits: [f64::NEG_INFINITY, f64::INFINITY],
             velocity: None,
             reference: 0.0,
-            follows: follows.transpose()?,
-        })
+            follows: None,
+        };
+        let mut parts = Vec::new();
+        if joint.axes.is_empty() {
+            parts.push(single(joint.kind, Vector3::z_axis(), joint.name.clone()));
+        }
+        for (k, axis) in joint.axes.iter().enumerate() {
+            let frames = &self.description.frames;
+            let follows = axis.mimic.as_ref().map(|mimic| {
+                let unknown = || frames.unknown(&mimic.leader, "joint that moves");
+                let leader = moving.get(&frames.find(&mimic.leader)?).ok_or_else(unknown)?;
+                if mimic.axis > 0 && leader.axes.len() < 2 {
+                    let what = format!("second axis of joint {:?}", leader.name);
+                    return Err(mimic.leader.place.error(FileErrorKind::Missing(what)));
+                }
+                Ok(Follows {
+                    joint: leader.coordinate(mimic.axis),
+                    factor: mimic.multiplier,
+                    offset: mimic.offset - mimic.multiplier * mimic.reference,
+                })
+            });
+            let turn = self.poses.between(frames.number(&axis.frame)?, joint.frame).rotation;
+            let direction = turn * axis.direction;
+            parts.push(FileJoint {
+                limits: axis.limits,
+                follows: follows.transpose()?,
+                ..single(joint.kind, direction, joint.coordinate(k))
+            });
+            if let Some(thread) = joint.thread {
+                let follows = Follows {
+                    joint: joint.name.clone(),
+                    factor: thread / TAU,
+                    offset: 0.0,
+                };
+                parts.push(FileJoint {
+                    follows: Some(follows),
+                    ..single(MotionKind::Prismatic, direction, format!("{}/thread", joint.name))
+                });
+            }
+        }
+        parts[0].origin = origin;
+        let last = parts.len() - 1;
+        for (k, mut part) in parts.into_iter().enumerate() {
+            part.parent = parent;
+            if k < last {
+                self.between.push(part.name.clone());
+                part.child = self.description.links.len() + self.between.len();
+            }
+            parent = part.child;
+            self.joints.push(part);
+        }
+        Ok(())
     }
 
     /// Returns the pose of a link in another one.
@@ -319,6 +362,7 @@ impl<'a> Builder<'a> {
         let links = std::mem::take(&mut self.description.links);
         let names: Vec<&str> = std::iter::once("world")
             .chain(links.iter().map(|link| link.name.as_str()))
+            .chain(self.between.iter().map(String::as_str))
             .collect();
         let root = &self.description.frames.frames[WORLD].place;
         let tree = LinkTree::new(&names, &self.joints, self.options, root)?;
@@ -341,6 +385,10 @@ impl<'a> Builder<'a> {
                 bodies: bodies.collect::<Result<_, FileError>>()?,
             });
         }
+        robot_links.extend(self.between.into_iter().map(|name| RobotLink {
+            name,
+            bodies: Vec::new(),
+        }));
         let mut robot = tree.robot(name, robot_links, self.joints);
         robot.model.adjacent = adjacent_by_joints(&robot.model.links, &robot.model.joints);
         robot.model.excluded = excluded(&robot, &links).map_err(|reason| root.error(reason))?;

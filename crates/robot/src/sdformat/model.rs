@@ -1,6 +1,7 @@
 //! Reads the elements of worlds, models, links and joints.
 
 use std::collections::HashSet;
+use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
@@ -13,7 +14,7 @@ use crate::error::{FileError, FileErrorKind, Place, Skipped};
 use crate::options::LoadOptions;
 use crate::packages::Packages;
 use crate::turn::direction;
-use crate::xml::{attribute, check_name};
+use crate::xml::{EXTENT_MAX, attribute, check_name};
 use lin_canny_plan::{LinkBody, MotionKind};
 
 /// Maximum depth of nested models, included ones counted.
@@ -86,15 +87,23 @@ const CONTACT_PASSED: [&str; 7] = [
     "torsional",
 ];
 
-const JOINT_PASSED: [&str; 8] = [
+const JOINT_READ: [&str; 7] = [
+    "parent",
+    "child",
+    "pose",
+    "axis",
+    "axis2",
+    "screw_thread_pitch",
+    "thread_pitch",
+];
+
+const JOINT_PASSED: [&str; 6] = [
     "frame",
     "gearbox_ratio",
     "gearbox_reference_body",
     "physics",
     "plugin",
-    "screw_thread_pitch",
     "sensor",
-    "thread_pitch",
 ];
 
 /// A link of a file. Its name has the names of its models before it.
@@ -123,15 +132,37 @@ pub(super) struct Joint {
     pub(super) kind: MotionKind,
     pub(super) parent: Target,
     pub(super) child: Target,
-    /// The axis, and the frame in which it is expressed.
-    pub(super) axis: (Unit<Vector3<f64>>, Target),
+    /// The axis; two of a universal joint, and none of a fixed or ball joint.
+    pub(super) axes: Vec<Axis>,
+    /// How far a screw joint slides in a turn.
+    pub(super) thread: Option<f64>,
+}
+
+/// An axis of a joint.
+pub(super) struct Axis {
+    pub(super) direction: Unit<Vector3<f64>>,
+    /// The frame in which the direction is expressed.
+    pub(super) frame: Target,
     pub(super) limits: [f64; 2],
     pub(super) mimic: Option<Mimic>,
+}
+
+impl Joint {
+    /// Returns the name of the coordinate of an axis.
+    pub(super) fn coordinate(&self, axis: usize) -> String {
+        match (self.axes.len(), axis) {
+            (0 | 1, _) => self.name.clone(),
+            (_, 0) => format!("{}/axis", self.name),
+            _ => format!("{}/axis2", self.name),
+        }
+    }
 }
 
 /// Makes the value of a joint `multiplier * (leader - reference) + offset`.
 pub(super) struct Mimic {
     pub(super) leader: Reference,
+    /// Which axis of the leader.
+    pub(super) axis: usize,
     pub(super) multiplier: f64,
     pub(super) offset: f64,
     pub(super) reference: f64,
@@ -445,19 +476,26 @@ impl<'o> Description<'o> {
     fn joint(&mut self, file: &SdfFile, node: Node, owner: &Owner) -> Result<(), FileError> {
         let xml = file.xml;
         xml.check_attributes(node, &["name", "type"], false)?;
-        let parts = xml.below(node, &["parent", "child", "pose", "axis", "axis2"], &JOINT_PASSED)?;
+        let parts = xml.below(node, &JOINT_READ, &JOINT_PASSED)?;
         let name = xml.needed(&node, "name")?;
         let kind_name = xml.needed(&node, "type")?;
         let kind = match kind_name {
-            "revolute" | "continuous" => MotionKind::Revolute,
+            "revolute" | "continuous" | "universal" | "revolute2" | "screw" => MotionKind::Revolute,
             "prismatic" => MotionKind::Prismatic,
+            "ball" => MotionKind::Ball,
             "fixed" => MotionKind::Fixed,
             kind => {
                 let what = FileErrorKind::Unsupported(format!("a joint of type {kind:?}"));
                 return Err(xml.error(&node, what));
             }
         };
-        if let Some(second) = xml.at_most_one(&parts, "axis2")? {
+        let axes: &[&str] = match kind_name {
+            // Converters leave an axis in fixed and ball joints, where it has no meaning.
+            "fixed" | "ball" => &[],
+            "universal" | "revolute2" => &["axis", "axis2"],
+            _ => &["axis"],
+        };
+        if let Some(second) = xml.at_most_one(&parts, "axis2")?.filter(|_| axes.len() == 1) {
             let what = format!("a second axis of a {kind_name} joint");
             return Err(xml.error(&second, FileErrorKind::Unsupported(what)));
         }
@@ -484,40 +522,40 @@ impl<'o> Description<'o> {
             placement: None,
             attached_to: Attachment::To(child.clone()),
         });
-        let mut joint = Joint {
+        let axes = axes.iter().map(|axis| {
+            let axis = xml.one(&node, &parts, axis)?;
+            self.axis(file, axis, owner, frame)
+        });
+        let mut axes = axes.collect::<Result<Vec<Axis>, FileError>>()?;
+        if kind_name == "continuous" {
+            axes[0].limits = [f64::NEG_INFINITY, f64::INFINITY];
+        }
+        let thread = match kind_name {
+            "screw" => Some(thread(file, &node, &parts)?),
+            _ => None,
+        };
+        self.name(file, &node, name, frame, owner)?;
+        self.joints.push(Joint {
             place: xml.place(&node),
             name: format!("{}{name}", owner.prefix),
             frame,
             kind,
             parent,
             child,
-            axis: (Vector3::z_axis(), Target::Frame(frame)),
-            limits: [f64::NEG_INFINITY, f64::INFINITY],
-            mimic: None,
-        };
-        match xml.at_most_one(&parts, "axis")? {
-            // Converters leave an axis in fixed joints, where it has no meaning.
-            _ if kind == MotionKind::Fixed => {}
-            Some(axis) => {
-                self.axis(file, axis, owner, &mut joint)?;
-                if kind_name == "continuous" {
-                    joint.limits = [f64::NEG_INFINITY, f64::INFINITY];
-                }
-            }
-            None => return Err(xml.error(&node, FileErrorKind::Missing("element axis".into()))),
-        }
-        self.name(file, &node, name, frame, owner)?;
-        self.joints.push(joint);
+            axes,
+            thread,
+        });
         Ok(())
     }
 
-    fn axis(&mut self, file: &SdfFile, axis: Node, owner: &Owner, joint: &mut Joint) -> Result<(), FileError> {
+    /// Returns an axis of the joint with a frame.
+    fn axis(&mut self, file: &SdfFile, axis: Node, owner: &Owner, joint: usize) -> Result<Axis, FileError> {
         const READ: [&str; 5] = ["xyz", "limit", "mimic", "use_parent_model_frame", "initial_position"];
         let xml = file.xml;
         xml.check_attributes(axis, &[], false)?;
         let parts = xml.below(axis, &READ, &["dynamics"])?;
         let xyz = xml.one(&axis, &parts, "xyz")?;
-        joint.axis.0 = direction(file.numbers_with(xyz, &["expressed_in"])?).ok_or_else(|| {
+        let direction = direction(file.numbers_with(xyz, &["expressed_in"])?).ok_or_else(|| {
             let field = "length of the axis".into();
             xml.error(&xyz, FileErrorKind::Range { field, value: 0.0 })
         })?;
@@ -531,11 +569,6 @@ impl<'o> Description<'o> {
             file.check_version(&node, "use_parent_model_frame", [1, 5]);
         }
         let is_of_model = file.flag(&parts, "use_parent_model_frame")?.unwrap_or(false);
-        if is_of_model || file.version < [1, 5] {
-            joint.axis.1 = Target::Frame(owner.frame);
-        } else if let Some(target) = stated {
-            joint.axis.1 = target;
-        }
         // The value has no effect in simulators.
         if let Some(node) = xml.at_most_one(&parts, "initial_position")? {
             let [position] = file.numbers(node)?;
@@ -543,13 +576,18 @@ impl<'o> Description<'o> {
                 self.skip(file, &node);
             }
         }
-        if let Some(limit) = xml.at_most_one(&parts, "limit")? {
-            joint.limits = limits(file, limit)?;
-        }
-        if let Some(mimic) = xml.at_most_one(&parts, "mimic")? {
-            joint.mimic = Some(mimicked(file, mimic, owner)?);
-        }
-        Ok(())
+        let limit = xml.at_most_one(&parts, "limit")?;
+        let limits = limit.map(|limit| limits(file, limit)).transpose()?;
+        let mimic = xml.at_most_one(&parts, "mimic")?;
+        Ok(Axis {
+            direction,
+            frame: match stated {
+                _ if is_of_model || file.version < [1, 5] => Target::Frame(owner.frame),
+                stated => stated.unwrap_or(Target::Frame(joint)),
+            },
+            limits: limits.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
+            mimic: mimic.map(|mimic| mimicked(file, mimic, owner)).transpose()?,
+        })
     }
 
     /// Returns an error if two links or two joints have the same name, with those of their models.
@@ -571,6 +609,25 @@ impl Target {
         match self {
             Self::Named(reference) => Some(reference),
             Self::Frame(_) => None,
+        }
+    }
+}
+
+/// Returns how far a screw joint slides in a turn: along the axis for a right-handed thread.
+fn thread(file: &SdfFile, joint: &Node, parts: &[Node]) -> Result<f64, FileError> {
+    let xml = file.xml;
+    let node = |name: &str| xml.at_most_one(parts, name);
+    let (pitch, node) = match (node("screw_thread_pitch")?, node("thread_pitch")?) {
+        (Some(node), _) => (file.numbers::<1>(node)?[0], node),
+        // Turns by so many radians for each metre, of a left-handed thread.
+        (None, Some(node)) => (-TAU / file.numbers::<1>(node)?[0], node),
+        (None, None) => (1.0, *joint),
+    };
+    match pitch.abs() <= EXTENT_MAX {
+        true => Ok(pitch),
+        false => {
+            let field = "pitch of the thread".into();
+            Err(xml.error(&node, FileErrorKind::Range { field, value: pitch }))
         }
     }
 }
@@ -599,10 +656,14 @@ fn mimicked(file: &SdfFile, mimic: Node, owner: &Owner) -> Result<Mimic, FileErr
     file.check_version(&mimic, "mimic", [1, 11]);
     xml.check_attributes(mimic, &["joint", "axis"], false)?;
     let parts = xml.below(mimic, &["multiplier", "offset", "reference"], &[])?;
-    if attribute(&mimic, "axis").is_some_and(|axis| axis != "axis") {
-        let what = "mimic of a second axis".into();
-        return Err(xml.error(&mimic, FileErrorKind::Unsupported(what)));
-    }
+    let axis = match attribute(&mimic, "axis").unwrap_or("axis") {
+        "axis" => 0,
+        "axis2" => 1,
+        other => {
+            let what = format!("invalid axis of a mimic: {other:?} (expected axis or axis2)");
+            return Err(xml.error(&mimic, FileErrorKind::Malformed(what)));
+        }
+    };
     let [multiplier] = file.needed(&mimic, &parts, "multiplier")?;
     let [offset] = file.needed(&mimic, &parts, "offset")?;
     let [reference] = file.needed(&mimic, &parts, "reference")?;
@@ -614,6 +675,7 @@ fn mimicked(file: &SdfFile, mimic: Node, owner: &Owner) -> Result<Mimic, FileErr
     };
     Ok(Mimic {
         leader,
+        axis,
         multiplier,
         offset,
         reference,

@@ -4,8 +4,8 @@
     python poses.py FOLDER_OR_FILE... > poses.jsonl
     MUJOCO_POSES=poses.jsonl cargo test -p lin-canny-robot --test mjcf -- --ignored
 
-With RANDOM=1000 it adds so many small random texts: limits, classes, flags, equalities, free joints,
-mocap bodies, excluded and explicit pairs. SEED chooses them. CONFIGURATIONS=2 suffices for pairs.
+With RANDOM=1000 it adds so many small random texts: limits, classes, flags, equalities, free and
+ball joints, mocap bodies, excluded and explicit pairs. SEED chooses them. CONFIGURATIONS=2 suffices for pairs.
 """
 
 import json
@@ -158,6 +158,9 @@ def chosen(rng):
         if depth == 0 and 0.3 <= kind < 0.5:
             joints = pick("<freejoint/>", f"<joint type='free'{joint()}/>")
         elif not mocap or rng.random() < 0.05:
+            if rng.random() < 0.2:
+                place = pick("", " pos='.1 -.2 .3'")
+                joints += f"<joint name='ball{len(bodies)}' type='ball'{place}{joint()}{pick(*classes)}/>"
             for axis in ["1 0 0", "0 1 0"][: rng.integers(0, 3)]:
                 hinges.append(f"j{len(hinges)}")
                 joints += f"<joint name='{hinges[-1]}' axis='{axis}'{pick('', slide)}{joint()}{pick(*classes)}/>"
@@ -220,7 +223,14 @@ def main():
                     data.qpos[at : at + 3], data.qpos[at + 3 : at + 7] = xyz, rpy(*angles)
                     for part, value in zip(PARTS, [*xyz, *angles]):
                         values[f"{joints[k]}/{part}"] = value
-                elif model.jnt_type[k] != BALL:
+                elif model.jnt_type[k] == BALL:
+                    limited = model.jnt_limited[k] and has(model, "LIMIT")
+                    most = min(max(model.jnt_range[k]), 3) if limited else 3
+                    angles = random.uniform(-most, most, 3)
+                    data.qpos[at : at + 4] = rpy(*angles)
+                    for part, value in zip(PARTS[3:], angles):
+                        values[f"{joints[k]}/{part}"] = value
+                else:
                     low, high = limits(model).get(joints[k]) or (-3, 3)
                     data.qpos[at] = values[joints[k]] = random.uniform(max(low, -1e3), min(high, 1e3))
             for joint in follow(model, data):
