@@ -56,7 +56,7 @@
 //!   where urdfdom ignores it, it is an error.
 //! * A revolute joint without limits gets the limits [`LoadOptions::continuous_limits`].
 //! * A planar joint has three coordinates, a floating joint six. The angles of a floating joint are
-//!   those of `rpy`.
+//!   those of `rpy`: see [`roll_pitch_yaw`].
 //! * A mimic joint follows the joint at the end of its chain of mimics. Only the limits of that
 //!   joint are checked.
 //! * Below `robot`, the elements `link` and `joint` are read; below `link`, `collision` with its
@@ -90,7 +90,9 @@
 //!   the file, bodies and joints are `body3` and `joint2`, with MuJoCo's numbers.
 //! * A coordinate is MuJoCo's `qpos` of the joint, so that `ref` is the drawn pose. A free joint
 //!   has the position in the world, and angles as in `rpy`; its limits contain the drawn pose. A
-//!   ball joint is an error.
+//!   ball joint has the angles `JOINT/roll`, `JOINT/pitch` and `JOINT/yaw`. Its `range` limits the
+//!   angle of the rotation; the limits of the three angles contain those rotations, and allow more.
+//!   [`Robot::from_qpos`] and [`Robot::to_qpos`] convert whole configurations.
 //! * A joint has limits if `limited` is true, or if it is `auto` and the first number of `range` is
 //!   below the second: `range="0 0"` is no limit. A free joint has none. The flags `limit`,
 //!   `equality` and `constraint` switch limits and equalities off.
@@ -109,8 +111,10 @@
 //!   the plane. A height field is the solid below its heights, which must be in the file.
 //! * An equality of two joints is a mimic joint, and one without a second joint holds the joint.
 //!   Other equalities are listed in [`Robot::skipped`]. An equality that is not `active` is none.
-//! * `include`, `default`, `frame` and `replicate` are read. `attach`, `composite`, `flexcomp`,
-//!   plugins and fields from pictures are errors.
+//! * `include`, `default`, `frame`, `replicate` and `attach` are read. An attached model, body or
+//!   frame has the compiler settings, classes and assets of its file, and the flags of the main
+//!   file; the pairs and equalities of its file hold if what they name is attached. `composite`,
+//!   `flexcomp`, plugins and fields from pictures are errors.
 //!
 //! # How an SDFormat file is converted
 //!
@@ -145,8 +149,11 @@
 //! * `relative_to`, `attached_to`, `placement_frame`, `expressed_in`, `canonical_link`, nested
 //!   models, and included models, merged or not, are read. An include names a file, or a folder
 //!   with `model.config`, of which the file of the highest version is read.
-//! * Joints are `revolute`, `continuous`, `prismatic` and `fixed`. All others are an error, as is a
-//!   link with two parent joints.
+//! * Joints are `revolute`, `continuous`, `prismatic`, `fixed`, `ball`, `universal`, `revolute2` and
+//!   `screw`. A ball joint has the angles `JOINT/roll`, `JOINT/pitch` and `JOINT/yaw`, as in `pose`.
+//!   A `universal` or `revolute2` joint turns about its `axis`, then about its `axis2`: coordinates
+//!   `JOINT/axis` and `JOINT/axis2`, and a link without bodies between them. A screw slides by its
+//!   pitch in a turn. `gearbox` joints are an error, as is a link with two parent joints.
 //! * All pairs of links of a model are checked, although `self_collide` is false by default.
 //!   `collide_bitmask` and `category_bitmask` exclude pairs of bodies: see [`Robot::excluded`].
 //! * A `plane` of a [`CellFile`], or of a link that no joint moves, is a half-space; in a cell it is
@@ -243,6 +250,7 @@ pub use recorder::RobotRecorder;
 pub use robot::Robot;
 pub use srdf::{ExcludedPair, Srdf};
 pub use trajectory::{Trajectory, csv_text};
+pub use turn::{roll_pitch_yaw, to_roll_pitch_yaw};
 
 /// Runs the README as a test.
 #[doc = include_str!("../README.md")]

@@ -126,6 +126,7 @@ impl LinkTree {
                 ..RobotModel::default()
             },
             start: self.start,
+            qpos: Vec::new(),
             skipped: Vec::new(),
         }
     }

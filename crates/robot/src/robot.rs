@@ -4,6 +4,7 @@ use lin_canny::nalgebra::Isometry3;
 use lin_canny_plan::{Coordinate, RobotJoint, RobotLink, RobotModel};
 
 use crate::error::{FileErrorKind, Skipped};
+use crate::mjcf::QposJoint;
 use crate::turn::to_roll_pitch_yaw;
 use lin_canny_plan::nearest_name as nearest;
 
@@ -30,6 +31,8 @@ pub struct Robot {
     pub(crate) skipped: Vec<Skipped>,
     /// The configuration in which the file draws the robot.
     pub(crate) start: Vec<f64>,
+    /// The joints with values in MuJoCo's `qpos`, in its order.
+    pub(crate) qpos: Vec<QposJoint>,
 }
 
 impl AsRef<RobotModel> for Robot {

@@ -11,7 +11,11 @@ pub(crate) fn about(axis: &Unit<Vector3<f64>>, angle: f64) -> UnitQuaternion<f64
 }
 
 /// Returns the rotation by roll about x, then pitch about y, then yaw about z, in radians.
-pub(crate) fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> UnitQuaternion<f64> {
+///
+/// The axes are those of the frame around it, which do not turn. Ball and floating joints have these
+/// three angles as coordinates.
+#[must_use]
+pub fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> UnitQuaternion<f64> {
     let [(sr, cr), (sp, cp), (sy, cy)] = [roll, pitch, yaw].map(|angle| libm::sincos(0.5 * angle));
     UnitQuaternion::new_unchecked(Quaternion::new(
         cr * cp * cy + sr * sp * sy,
@@ -30,8 +34,10 @@ pub(crate) fn from_xyzw(xyzw: [f64; 4]) -> Option<UnitQuaternion<f64>> {
 
 /// Returns roll, pitch and yaw of a rotation, in radians: the inverse of [`roll_pitch_yaw`].
 ///
-/// At a pitch of a quarter turn, where roll and yaw are not unique, their rotation still is.
-pub(crate) fn to_roll_pitch_yaw(turn: &UnitQuaternion<f64>) -> [f64; 3] {
+/// Roll and yaw are within half a turn each way, pitch within a quarter turn. At a pitch of a
+/// quarter turn, where roll and yaw are not unique, their rotation still is.
+#[must_use]
+pub fn to_roll_pitch_yaw(turn: &UnitQuaternion<f64>) -> [f64; 3] {
     let m = turn.to_rotation_matrix().into_inner();
     let yaw = libm::atan2(m[(1, 0)], m[(0, 0)]);
     let (sine, cosine) = libm::sincos(yaw);

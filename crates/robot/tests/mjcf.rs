@@ -64,7 +64,7 @@ fn aabb(geometry: &Geometry, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>
 fn small_files_are_as_in_mujoco() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/mujoco");
     let expected = format!("{folder}/expected.jsonl");
-    assert_eq!(compare(&expected, folder), (17, Vec::new()));
+    assert_eq!(compare(&expected, folder), (18, Vec::new()));
 }
 
 /// Compares with the results of `mujoco/poses.py` in the file that the variable `MUJOCO_POSES`
@@ -175,6 +175,15 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
                 assert_eq!(names.iter().copied().collect::<BTreeSet<_>>(), expected, "{name}");
                 q = names.iter().map(|n| values[*n].as_f64().expect("a value")).collect();
             }
+            if model["text"].is_null() {
+                check_qpos(
+                    &robot,
+                    &q,
+                    &numbers(&configuration["qpos"]),
+                    &numbers(&model["widths"]),
+                    &name,
+                );
+            }
             let is_within = |(q, c): (&f64, &Coordinate)| (c.limits[0]..=c.limits[1]).contains(q);
             if !q.iter().zip(setup.coordinates()).all(is_within) {
                 continue;
@@ -269,6 +278,32 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
     (same, not_loaded)
 }
 
+/// Compares a configuration with MuJoCo's `qpos`, whose quaternions may have the opposite sign.
+/// `widths` are the counts of the values of each joint.
+fn check_qpos(robot: &Robot, q: &[f64], expected: &[f64], widths: &[f64], name: &str) {
+    let found = robot.to_qpos(q).expect("values of qpos");
+    let again = robot
+        .to_qpos(&robot.from_qpos(expected).expect("a configuration"))
+        .expect("values of qpos");
+    assert_eq!(found.len(), expected.len(), "{name}");
+    let mut first = 0;
+    for width in widths.iter().map(|width| *width as usize) {
+        for found in [&found, &again] {
+            let [found, expected] = [&found[first..first + width], &expected[first..first + width]];
+            // The position of a free joint comes before its quaternion.
+            let turn = if width >= 4 { width - 4 } else { width };
+            let is_near = |range: std::ops::Range<usize>, sign: f64| {
+                range
+                    .into_iter()
+                    .all(|k| (sign * found[k] - expected[k]).abs() < 1e-12 * (1.0 + expected[k].abs()))
+            };
+            let is_right = is_near(0..turn, 1.0) && (is_near(turn..width, 1.0) || is_near(turn..width, -1.0));
+            assert!(is_right, "{name}: qpos {first}: {found:?} {expected:?}");
+        }
+        first += width;
+    }
+}
+
 /// A body with a geom around text.
 fn with(inside: &str) -> String {
     format!(
@@ -300,6 +335,13 @@ fn faults_are_named_with_line_and_element() {
         (with("<joint name=\"k\" type=\"ball\"/><joint name=\"l\"/>"), 5, "hinge or ball joint after a ball joint"),
         (with("<joint name=\"k\" type=\"ball\" range=\"10 20\"/>"), 5, "invalid range of a ball joint: 10 to 20 (expected 0 to an angle)"),
         (with("<joint name=\"j\"/>"), 5, "name is already in use"),
+        (with("<attach model=\"arm\" prefix=\"p\"/>"), 5, "model \"arm\" does not exist"),
+        (with("<attach body=\"arm\" prefix=\"p\"/>"), 5, "body \"arm\" does not exist"),
+        (with("<attach body=\"b\"/>"), 5, "attribute prefix is missing"),
+        (with("<attach prefix=\"p\"/>"), 5, "names both a body and a frame, or nothing"),
+        (with("<attach body=\"b\" prefix=\"p\"/>"), 5, "attached inside one another (expected at most 16)"),
+        (with("<attach body=\"b\" suffix=\"p\"/>"), 5, "attribute \"suffix\" does not exist"),
+        ("<mujoco>\n<asset><model file=\"none.xml\"/></asset></mujoco>".into(), 2, "model file \"none.xml\" is missing"),
         (with("<joint axis=\"0 0 0\"/>"), 5, "length of the axis"),
         (with("<joint limited=\"true\" range=\"2 1\"/>"), 5, "invalid range of a limited joint: 2 to 1 (expected"),
         (with("<joint limited=\"true\" range=\"0 0\"/>"), 5, "invalid range of a limited joint: 0 to 0 (expected"),
@@ -319,7 +361,7 @@ fn faults_are_named_with_line_and_element() {
         (with("<body pos=\"1e200 0 0\"/>"), 5, ""),
         (with("<composite/>"), 5, "the element composite is not supported"),
         (with("<flexcomp/>"), 5, "the element flexcomp is not supported"),
-        (with("<attach/>"), 5, "the element attach is not supported"),
+        (with("<attach/>"), 5, "attribute prefix is missing"),
         (with("<replicate count=\"0\"/>"), 5, "invalid count"),
         (with("<replicate count=\"2\"><joint/></replicate>"), 5, "a copied joint"),
         (with("<replicate count=\"999999999\"><body/></replicate>"), 5, "too many elements"),

@@ -6,8 +6,11 @@ use std::f64::consts::FRAC_PI_2;
 use lin_canny::nalgebra::{Isometry3, Translation3, Unit, Vector3};
 
 use super::element::Element;
-use super::geom::{Assets, Source, placed};
-use super::settings::{Classes, Settings, check, euler};
+use super::geom::{Assets, placed};
+use super::pairs::Contacts;
+use super::qpos::QposJoint;
+use super::settings::{Settings, check, euler};
+use super::spec::{Attached, Spec};
 use crate::error::{FileError, FileErrorKind, Place, Skipped};
 use crate::link_tree::{FileJoint, Follows};
 use crate::turn::{about, direction};
@@ -59,6 +62,9 @@ const READ: [&str; 10] = [
     "plugin",
 ];
 
+/// Maximum number of models that attach one another.
+const MOST_ATTACHED: usize = 16;
+
 /// Maximum number of elements that copies make, with those that are passed over.
 const MOST_COPIES: usize = 20_000;
 
@@ -89,12 +95,13 @@ pub(super) struct Model<'e> {
     pub(super) free: Vec<(String, Isometry3<f64>)>,
     /// For each mocap body its group and the joint that moves it.
     pub(super) mocap: HashMap<usize, usize>,
+    pub(super) qpos: Vec<QposJoint>,
     pub(super) skipped: Vec<Skipped>,
-    classes: &'e Classes,
-    source: &'e Source<'e>,
-    assets: Assets<'e>,
-    /// Geoms that explicit pairs name.
-    paired: HashSet<&'e str>,
+    /// The files, and the parts of them that are in the model.
+    specs: &'e [Spec<'e>],
+    attached: Vec<Attached>,
+    /// The assets of each file.
+    assets: Vec<Assets<'e>>,
     /// Names of joints and geoms, with the kind.
     names: HashSet<(&'static str, String)>,
     body_count: usize,
@@ -111,22 +118,29 @@ struct Scope<'s> {
     frame: Isometry3<f64>,
     /// The class of elements that name none.
     class: &'s str,
-    /// What copies append to names.
+    /// The number of the file.
+    spec: usize,
+    /// What attached models put before names, and copies append to names.
+    prefix: &'s str,
     suffix: &'s str,
+    /// How many models are attached around the element.
+    depth: usize,
+}
+
+impl Scope<'_> {
+    fn name(&self, name: &str) -> String {
+        format!("{}{name}{}", self.prefix, self.suffix)
+    }
 }
 
 impl<'e> Model<'e> {
-    pub(super) fn new(
-        classes: &'e Classes,
-        source: &'e Source<'e>,
-        assets: Assets<'e>,
-        paired: HashSet<&'e str>,
-    ) -> Self {
+    pub(super) fn new(specs: &'e [Spec<'e>]) -> Result<Self, FileError> {
         let world = RobotLink {
             name: "world".into(),
             bodies: Vec::new(),
         };
-        Self {
+        let assets = specs.iter().map(|spec| Assets::new(&spec.assets, &spec.classes));
+        Ok(Self {
             links: vec![world],
             joints: Vec::new(),
             geoms: Vec::new(),
@@ -135,31 +149,146 @@ impl<'e> Model<'e> {
             groups_above: vec![None],
             free: Vec::new(),
             mocap: HashMap::new(),
+            qpos: Vec::new(),
             skipped: Vec::new(),
-            classes,
-            source,
-            assets,
-            paired,
+            specs,
+            attached: Vec::new(),
+            assets: assets.collect::<Result<_, _>>()?,
             names: HashSet::new(),
             body_count: 0,
             joint_count: 0,
             copy_count: 0,
-        }
+        })
     }
 
-    /// Adds all below a section `worldbody`.
-    pub(super) fn world(&mut self, section: &'e Element) -> Result<(), FileError> {
+    /// Adds the worlds of the main file, and what they attach, and lets joints follow others.
+    pub(super) fn read(&mut self) -> Result<(), FileError> {
         let scope = Scope {
             link: 0,
             frame: Isometry3::identity(),
             class: "main",
+            spec: 0,
+            prefix: "",
             suffix: "",
+            depth: 0,
         };
-        self.below(section, scope)
+        self.all_of(scope)?;
+        self.rest();
+        let names = self.joints.iter().enumerate();
+        let numbers: HashMap<String, usize> = names.map(|(k, joint)| (joint.name.clone(), k)).collect();
+        let known = ["joint", "connect", "weld", "tendon", "flex", "flexvert", "flexstrain"];
+        for attached in self.attached.clone() {
+            for section in &self.specs[attached.spec].equalities {
+                for element in section.below(&known, &[])? {
+                    self.equality(element, &attached, &numbers)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the elements of the sections `contact`, with what is added to the names in them.
+    pub(super) fn contacts<'m>(
+        &'m self,
+        which: impl Fn(&'m Contacts<'e>) -> &'m [&'e Element],
+    ) -> impl Iterator<Item = (&'m Attached, &'e Element)> {
+        let parts = self.attached.iter();
+        parts.flat_map(move |part| {
+            let elements = which(&self.specs[part.spec].contacts).iter();
+            elements.map(move |element| (part, *element))
+        })
+    }
+
+    /// Adds all that the sections `worldbody` of a file hold.
+    fn all_of(&mut self, scope: Scope) -> Result<(), FileError> {
+        self.add_part(&scope);
+        for section in &self.specs[scope.spec].worlds {
+            self.below(section, scope)?;
+        }
+        Ok(())
+    }
+
+    fn add_part(&mut self, scope: &Scope) {
+        self.attached.push(Attached {
+            spec: scope.spec,
+            prefix: scope.prefix.into(),
+            suffix: scope.suffix.into(),
+        });
+    }
+
+    /// Adds a body, a frame or the whole world of another model, or of this one.
+    fn attach(&mut self, element: &'e Element, scope: Scope) -> Result<(), FileError> {
+        element.check_attributes(&["model", "body", "frame", "prefix"])?;
+        let wrong = |why: String| element.error(FileErrorKind::Malformed(why));
+        if scope.depth == MOST_ATTACHED {
+            return Err(wrong(format!(
+                "too many models are attached inside one another (expected at most {MOST_ATTACHED})"
+            )));
+        }
+        let models = self.specs[scope.spec].models;
+        let spec = match element.get("model") {
+            None => scope.spec,
+            Some(name) => *models.get(name).ok_or_else(|| {
+                element.error(FileErrorKind::Unknown {
+                    kind: "model",
+                    name: name.into(),
+                    near: lin_canny_plan::nearest_name(name, models.keys().map(String::as_str)),
+                })
+            })?,
+        };
+        let prefix = format!("{}{}", scope.prefix, element.needed("prefix")?);
+        check_name(&prefix).map_err(|reason| element.error(reason))?;
+        let scope = Scope {
+            spec,
+            class: "main",
+            prefix: &prefix,
+            depth: scope.depth + 1,
+            ..scope
+        };
+        let (kind, name) = match (element.get("body"), element.get("frame")) {
+            (None, None) if element.get("model").is_some() => return self.all_of(scope),
+            (Some(name), None) => ("body", name),
+            (None, Some(name)) => ("frame", name),
+            _ => {
+                return Err(wrong(
+                    "attach names both a body and a frame, or nothing (expected model, body or frame)".into(),
+                ));
+            }
+        };
+        let found = self.specs[spec].find(kind, name)?;
+        let (part, class) = found.ok_or_else(|| {
+            element.error(FileErrorKind::Unknown {
+                kind: if kind == "body" { "body" } else { "frame" },
+                name: name.into(),
+                near: None,
+            })
+        })?;
+        self.add_part(&scope);
+        let scope = Scope { class, ..scope };
+        if kind == "body" {
+            return self.body(part, scope);
+        }
+        match part.children.iter().find(|child| child.name.ends_with("joint")) {
+            Some(joint) => Err(joint.unsupported("a joint of an attached frame")),
+            None => self.framed(part, scope),
+        }
+    }
+
+    /// Adds all below a frame.
+    fn framed(&mut self, element: &'e Element, scope: Scope) -> Result<(), FileError> {
+        element.check_attributes(&FRAME)?;
+        let spec = &self.specs[scope.spec];
+        let pose = Settings::own(element).pose(&spec.source.compiler)?;
+        let scope = Scope {
+            frame: placed(&element.place, &scope.frame, &pose)?,
+            class: spec.classes.below(element, scope.class)?,
+            ..scope
+        };
+        self.below(element, scope)
     }
 
     /// Holds the mocap bodies of which nothing collides, neither they nor bodies below them.
-    pub(super) fn rest(&mut self) {
+    fn rest(&mut self) {
         let mut collides: Vec<bool> = self.links.iter().map(|link| !link.bodies.is_empty()).collect();
         for joint in self.joints.iter().rev() {
             collides[joint.parent] |= collides[joint.child];
@@ -175,7 +304,7 @@ impl<'e> Model<'e> {
     }
 
     fn below(&mut self, parent: &'e Element, scope: Scope) -> Result<(), FileError> {
-        if !scope.suffix.is_empty() {
+        if !scope.suffix.is_empty() || scope.depth > 0 {
             self.copy_count += 1 + parent.children.len();
             if self.copy_count > MOST_COPIES {
                 let why = format!("copies make too many elements (expected at most {MOST_COPIES})");
@@ -185,17 +314,8 @@ impl<'e> Model<'e> {
         for element in parent.below(&READ, &PASSED)? {
             match element.name.as_str() {
                 "body" => self.body(element, scope)?,
-                "frame" => {
-                    element.check_attributes(&FRAME)?;
-                    let settings = Settings::own(element);
-                    let pose = settings.pose(self.source.compiler)?;
-                    let scope = Scope {
-                        frame: placed(&element.place, &scope.frame, &pose)?,
-                        class: self.classes.below(element, scope.class)?,
-                        ..scope
-                    };
-                    self.below(element, scope)?;
-                }
+                "frame" => self.framed(element, scope)?,
+                "attach" => self.attach(element, scope)?,
                 "replicate" => self.copies(element, scope)?,
                 "geom" => self.geom(element, scope)?,
                 // The joints of a body are read with the body.
@@ -219,7 +339,10 @@ impl<'e> Model<'e> {
             .ok_or_else(|| element.error(FileErrorKind::Malformed(why())))?;
         let offset = Vector3::from(element.numbers::<3>("offset")?.unwrap_or_default());
         let angles = element.numbers::<3>("euler")?.unwrap_or_default();
-        let step = Isometry3::from_parts(Translation3::from(offset), euler(angles, self.source.compiler));
+        let step = Isometry3::from_parts(
+            Translation3::from(offset),
+            euler(angles, &self.specs[scope.spec].source.compiler),
+        );
         let separator = element.get("sep").unwrap_or_default();
         let digits = (count - 1).to_string().len();
         let mut frame = scope.frame;
@@ -241,13 +364,17 @@ impl<'e> Model<'e> {
         element.check_attributes(&BODY)?;
         self.body_count += 1;
         let name = match element.get("name") {
-            Some(name) => format!("{name}{}", scope.suffix),
+            Some(name) => scope.name(name),
             None => format!("body{}", self.body_count),
         };
         check_name(&name).map_err(|reason| element.error(reason))?;
         let settings = Settings::own(element);
-        let pose = placed(&element.place, &scope.frame, &settings.pose(self.source.compiler)?)?;
-        let class = self.classes.below(element, scope.class)?;
+        let pose = placed(
+            &element.place,
+            &scope.frame,
+            &settings.pose(&self.specs[scope.spec].source.compiler)?,
+        )?;
+        let class = self.specs[scope.spec].classes.below(element, scope.class)?;
         let mut joints = Vec::new();
         self.joints_of(
             element,
@@ -284,7 +411,7 @@ impl<'e> Model<'e> {
             link,
             frame: Isometry3::identity(),
             class,
-            suffix: scope.suffix,
+            ..scope
         };
         self.below(element, scope)
     }
@@ -298,10 +425,10 @@ impl<'e> Model<'e> {
                     joints.push(joint);
                 }
                 "frame" => {
-                    let pose = Settings::own(element).pose(self.source.compiler)?;
+                    let pose = Settings::own(element).pose(&self.specs[scope.spec].source.compiler)?;
                     let scope = Scope {
                         frame: placed(&element.place, &scope.frame, &pose)?,
-                        class: self.classes.below(element, scope.class)?,
+                        class: self.specs[scope.spec].classes.below(element, scope.class)?,
                         ..scope
                     };
                     self.joints_of(element, scope, joints)?;
@@ -321,7 +448,7 @@ impl<'e> Model<'e> {
     fn joint(&mut self, element: &'e Element, scope: Scope) -> Result<BodyJoint, FileError> {
         self.joint_count += 1;
         let name = match element.get("name") {
-            Some(name) => format!("{name}{}", scope.suffix),
+            Some(name) => scope.name(name),
             None => format!("joint{}", self.joint_count - 1),
         };
         check_name(&name).map_err(|reason| element.error(reason))?;
@@ -333,7 +460,7 @@ impl<'e> Model<'e> {
             return Ok(BodyJoint::free(element.place.clone(), name));
         }
         check(element)?;
-        let settings = self.classes.of(element, "joint", scope.class)?;
+        let settings = self.specs[scope.spec].classes.of(element, "joint", scope.class)?;
         let limited = settings.get("limited").unwrap_or("auto");
         if !["true", "false", "auto"].contains(&limited) {
             return Err(element.unknown_value("limited", limited, "true, false or auto"));
@@ -349,10 +476,13 @@ impl<'e> Model<'e> {
         };
         let unit = match kind {
             MotionKind::Prismatic => 1.0,
-            _ => self.source.compiler.angle,
+            _ => self.specs[scope.spec].source.compiler.angle,
         };
         let is_ball = kind == MotionKind::Ball;
-        let axis = settings.numbers("axis")?.filter(|_| !is_ball).unwrap_or([0.0, 0.0, 1.0]);
+        let axis = settings
+            .numbers("axis")?
+            .filter(|_| !is_ball)
+            .unwrap_or([0.0, 0.0, 1.0]);
         let axis = direction(axis).ok_or_else(|| {
             let field = "length of the axis".into();
             wrong(FileErrorKind::Range { field, value: 0.0 })
@@ -371,23 +501,27 @@ impl<'e> Model<'e> {
                 );
                 return Err(wrong(FileErrorKind::Malformed(why)));
             }
-            ("auto", Some(range)) if range != [0.0; 2] && !self.source.compiler.has_automatic_limits => {
+            ("auto", Some(range))
+                if range != [0.0; 2] && !self.specs[scope.spec].source.compiler.has_automatic_limits =>
+            {
                 return Err(wrong(FileErrorKind::Missing("attribute limited".into())));
             }
             // Without a word of the file, a range limits the joint if it is one.
-            ("true" | "auto", Some([lower, upper])) if lower < upper || limited == "true" => {
-                match is_ball {
-                    false => [lower * unit, upper * unit],
-                    true if lower != 0.0 => {
-                        let why = format!("invalid range of a ball joint: {lower} to {upper} (expected 0 to an angle)");
-                        return Err(wrong(FileErrorKind::Malformed(why)));
-                    }
-                    true => angles_within(upper * unit),
+            ("true" | "auto", Some([lower, upper])) if lower < upper || limited == "true" => match is_ball {
+                false => [lower * unit, upper * unit],
+                true if lower != 0.0 => {
+                    let why = format!("invalid range of a ball joint: {lower} to {upper} (expected 0 to an angle)");
+                    return Err(wrong(FileErrorKind::Malformed(why)));
                 }
-            }
+                true => angles_within(upper * unit),
+            },
             _ => open,
         };
-        let limits = if self.source.flags.has("limit") { limits } else { open };
+        let limits = if self.specs[scope.spec].source.flags.has("limit") {
+            limits
+        } else {
+            open
+        };
         Ok(BodyJoint {
             place: element.place.clone(),
             name,
@@ -449,6 +583,11 @@ impl<'e> Model<'e> {
                 format!("{name}:{}", joint.name)
             };
             let is_free = is_free(&joint);
+            // A mocap body has no values in `qpos`.
+            if !self.mocap.values().any(|&joint| joint == self.joints.len()) {
+                let (name, rest) = (joint.name.clone(), joint.reference);
+                self.qpos.push(QposJoint { name, rest });
+            }
             if is_free {
                 self.free.push((joint.name.clone(), *pose));
             }
@@ -495,8 +634,8 @@ impl<'e> Model<'e> {
         if let Some(plugin) = element.children.first() {
             return Err(plugin.unsupported("a geom of a plugin"));
         }
-        let settings = self.classes.of(element, "geom", scope.class)?;
-        let name = element.get("name").map(|name| format!("{name}{}", scope.suffix));
+        let settings = self.specs[scope.spec].classes.of(element, "geom", scope.class)?;
+        let name = element.get("name").map(|name| scope.name(name));
         check_name(name.as_deref().unwrap_or_default()).map_err(|reason| element.error(reason))?;
         if name
             .as_ref()
@@ -506,17 +645,18 @@ impl<'e> Model<'e> {
         }
         let kind = settings.whole_number("contype", 1)?;
         let with = settings.whole_number("conaffinity", 1)?;
-        let is_paired = name.as_ref().is_some_and(|name| self.paired.contains(name.as_str()));
+        let own = element.get("name").map(|name| format!("{name}{}", scope.suffix));
+        let is_paired = own.is_some_and(|own| self.specs[scope.spec].paired.contains(own.as_str()));
         if kind == 0 && with == 0 && !is_paired {
             return Ok(());
         }
         check_excluded(self.geoms.len() + 1, 0).map_err(|reason| element.error(reason))?;
         let link = &mut self.links[scope.link];
-        let body = self.assets.geom(&settings, &link.name, self.source);
+        let body = self.assets[scope.spec].geom(&settings, &link.name, &self.specs[scope.spec].source);
         let mut body = match body {
             Ok(body) => body,
             Err(error) => match error.reason {
-                FileErrorKind::MissingMesh(_) if self.source.options.skip_missing_meshes => {
+                FileErrorKind::MissingMesh(_) if self.specs[scope.spec].source.options.skip_missing_meshes => {
                     self.skipped.push(error.into());
                     return Ok(());
                 }
@@ -537,7 +677,12 @@ impl<'e> Model<'e> {
 
     /// Lets a joint follow another one, or holds it, as an element `equality/joint` says. Lists
     /// other equalities that are in force. `numbers` has the number of each joint.
-    pub(super) fn equality(&mut self, element: &'e Element, numbers: &HashMap<String, usize>) -> Result<(), FileError> {
+    fn equality(
+        &mut self,
+        element: &'e Element,
+        attached: &Attached,
+        numbers: &HashMap<String, usize>,
+    ) -> Result<(), FileError> {
         let known = [
             "name", "class", "active", "solref", "solimp", "joint1", "joint2", "polycoef",
         ];
@@ -545,9 +690,9 @@ impl<'e> Model<'e> {
         if is_of_joints {
             element.check_attributes(&known)?;
         }
-        let settings = self.classes.of(element, "equality", "main")?;
+        let settings = self.specs[attached.spec].classes.of(element, "equality", "main")?;
         match settings.get("active").unwrap_or("true") {
-            "true" if self.source.flags.has("equality") => {}
+            "true" if self.specs[0].source.flags.has("equality") => {}
             "true" | "false" => return Ok(()),
             other => return Err(element.unknown_value("active", other, "true or false")),
         }
@@ -557,17 +702,29 @@ impl<'e> Model<'e> {
             return Ok(());
         }
         let find = |name: &str| {
-            numbers.get(name).copied().ok_or_else(|| {
-                let names = self.joints.iter().map(|joint| joint.name.as_str());
-                element.error(FileErrorKind::Unknown {
-                    kind: "joint",
-                    name: name.into(),
-                    near: lin_canny_plan::nearest_name(name, names),
-                })
-            })
+            let name = attached.name(name);
+            match numbers.get(&name) {
+                None if attached.is_whole() => {
+                    let names = self.joints.iter().map(|joint| joint.name.as_str());
+                    Err(element.error(FileErrorKind::Unknown {
+                        kind: "joint",
+                        near: lin_canny_plan::nearest_name(&name, names),
+                        name,
+                    }))
+                }
+                joint => Ok(joint.copied()),
+            }
         };
-        let follower = find(element.needed("joint1")?)?;
-        let leader = element.get("joint2").map(find).transpose()?;
+        let (Some(follower), leader) = (
+            find(element.needed("joint1")?)?,
+            element.get("joint2").map(find).transpose()?,
+        ) else {
+            return Ok(());
+        };
+        let leader = match leader {
+            Some(None) => return Ok(()),
+            leader => leader.flatten(),
+        };
         let mut factors = settings.up_to("polycoef", 5)?;
         if factors.is_empty() {
             factors = vec![0.0, 1.0];
@@ -593,6 +750,9 @@ impl<'e> Model<'e> {
             }
             None => {
                 let joint = &mut self.joints[follower];
+                if let Some(at) = self.qpos.iter_mut().find(|at| at.name == joint.name) {
+                    at.rest += factors[0];
+                }
                 joint.origin *= match joint.kind {
                     MotionKind::Prismatic => Isometry3::from(Translation3::from(joint.axis.into_inner() * factors[0])),
                     _ => Isometry3::from_parts(Translation3::identity(), about(&joint.axis, factors[0])),

@@ -47,7 +47,7 @@ impl<'e> Assets<'e> {
             heights: 0,
         };
         for section in sections {
-            for element in section.below(&["mesh", "hfield", "model"], &["texture", "material", "skin"])? {
+            for element in section.below(&["mesh", "hfield"], &["texture", "material", "skin", "model"])? {
                 let stem = || Path::new(element.get("file")?).file_stem()?.to_str();
                 let name = element.get("name").or_else(stem).map(str::to_owned);
                 let name = name.ok_or_else(|| element.error(FileErrorKind::Missing("attribute name or file".into())));
@@ -57,12 +57,11 @@ impl<'e> Assets<'e> {
                         let mesh = (element, classes.of(element, "mesh", "main")?);
                         assets.meshes.insert(name?, mesh).is_none()
                     }
-                    "hfield" => {
+                    _ => {
                         let known = ["name", "content_type", "file", "nrow", "ncol", "size", "elevation"];
                         element.check_attributes(&known)?;
                         assets.fields.insert(name?, element).is_none()
                     }
-                    _ => return Err(element.unsupported("an attached model")),
                 };
                 if !is_new {
                     return Err(element.error(FileErrorKind::Repeated));
@@ -75,7 +74,7 @@ impl<'e> Assets<'e> {
     /// Returns the body of a geom, at its pose in the frame of the element around it.
     pub(super) fn geom(&mut self, geom: &Settings, link: &str, reader: &Source) -> Result<LinkBody, FileError> {
         let kind = geom.get("type").unwrap_or("sphere");
-        let mut origin = geom.pose(reader.compiler)?;
+        let mut origin = geom.pose(&reader.compiler)?;
         let mut sizes = geom.up_to("size", 3)?;
         if let Some(ends) = geom.numbers::<6>("fromto")? {
             if !matches!(kind, "capsule" | "cylinder" | "box" | "ellipsoid") {
@@ -288,10 +287,10 @@ impl<'e> Assets<'e> {
 
 /// What a body is read with.
 pub(super) struct Source<'e> {
-    pub(super) compiler: &'e Compiler,
+    pub(super) compiler: Compiler,
     pub(super) flags: &'e Flags<'e>,
     pub(super) options: &'e LoadOptions,
-    /// The folder of the main file.
+    /// The folder of the file.
     pub(super) folder: &'e Path,
 }
 

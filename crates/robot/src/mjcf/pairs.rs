@@ -45,13 +45,7 @@ impl<'e> Contacts<'e> {
 }
 
 /// Sets the adjacent and the excluded pairs of a robot, whose root element is at a place.
-pub(super) fn set(
-    robot: &mut Robot,
-    model: &Model,
-    contacts: &Contacts,
-    adjacent: bool,
-    place: &Place,
-) -> Result<(), FileError> {
+pub(super) fn set(robot: &mut Robot, model: &Model, adjacent: bool, place: &Place) -> Result<(), FileError> {
     let links: HashMap<&str, usize> = robot
         .model
         .links
@@ -76,18 +70,21 @@ pub(super) fn set(
         }
     }
     let mut checked = HashSet::new();
-    for pair in &contacts.pairs {
+    for (attached, pair) in model.contacts(|contacts| &contacts.pairs) {
         let end = |field: &str| {
-            let name = pair.needed(field)?;
-            body_of.get(name).copied().ok_or_else(|| {
-                pair.error(FileErrorKind::Unknown {
+            let name = attached.name(pair.needed(field)?);
+            match body_of.get(name.as_str()) {
+                None if attached.is_whole() => Err(pair.error(FileErrorKind::Unknown {
                     kind: "geom",
-                    name: name.into(),
-                    near: nearest(name, body_of.keys().copied()),
-                })
-            })
+                    near: nearest(&name, body_of.keys().copied()),
+                    name,
+                })),
+                body => Ok(body.copied()),
+            }
         };
-        let [a, b] = [end("geom1")?, end("geom2")?];
+        let [Some(a), Some(b)] = [end("geom1")?, end("geom2")?] else {
+            continue;
+        };
         let is_rigid = [a, b].map(|body| model.groups[model.geoms[geom_of[body]].link]);
         if is_rigid[0] == is_rigid[1] {
             let what = "a pair of geoms that never move relative to each other".into();
@@ -98,19 +95,24 @@ pub(super) fn set(
         checked.insert([a.min(b), a.max(b)]);
     }
     let mut apart = HashSet::new();
-    for exclude in &contacts.excludes {
+    for (attached, exclude) in model.contacts(|contacts| &contacts.excludes) {
         let end = |field: &str| {
-            let name = exclude.needed(field)?;
-            let link = model.bodies.get(name).copied();
-            link.ok_or_else(|| {
-                exclude.error(FileErrorKind::Unknown {
+            let name = match exclude.needed(field)? {
+                "world" => "world".into(),
+                name => attached.name(name),
+            };
+            match model.bodies.get(&name) {
+                None if attached.is_whole() => Err(exclude.error(FileErrorKind::Unknown {
                     kind: "body",
-                    name: name.into(),
-                    near: nearest(name, model.bodies.keys().map(String::as_str)),
-                })
-            })
+                    near: nearest(&name, model.bodies.keys().map(String::as_str)),
+                    name,
+                })),
+                link => Ok(link.copied()),
+            }
         };
-        let [a, b] = [end("body1")?, end("body2")?];
+        let [Some(a), Some(b)] = [end("body1")?, end("body2")?] else {
+            continue;
+        };
         apart.insert([a.min(b), a.max(b)]);
     }
     let above = |group: usize| model.groups_above[group];

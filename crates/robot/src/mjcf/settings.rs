@@ -78,7 +78,8 @@ impl Compiler {
 pub(super) struct Flags<'e>(HashMap<&'e str, (&'e Element, bool)>);
 
 impl<'e> Flags<'e> {
-    pub(super) fn new(sections: &[&'e Element]) -> Result<Self, FileError> {
+    /// Returns the flags of a file with a root element.
+    pub(super) fn new(root: &'e Element) -> Result<Self, FileError> {
         const KNOWN: [&str; 28] = [
             "constraint",
             "equality",
@@ -110,7 +111,8 @@ impl<'e> Flags<'e> {
             "diagexact",
         ];
         let mut flags = HashMap::new();
-        for element in sections.iter().flat_map(|s| &s.children).filter(|e| e.name == "flag") {
+        let sections = root.children.iter().filter(|section| section.name == "option");
+        for element in sections.flat_map(|s| &s.children).filter(|e| e.name == "flag") {
             element.check_attributes(&KNOWN)?;
             for (name, value) in &element.attributes {
                 let is_enabled = match value.as_str() {

@@ -208,7 +208,7 @@ def main():
         random = np.random.default_rng(7)
         joints = [name(model, mujoco.mjtObj.mjOBJ_JOINT, k, "joint") for k in range(model.njnt)]
         bodies = [name(model, mujoco.mjtObj.mjOBJ_BODY, k, "body") for k in range(model.nbody)]
-        configurations = [{"values": None, "poses": drawn(model, data)}]
+        configurations = [{"values": None, "poses": drawn(model, data), "qpos": data.qpos.tolist()}]
         for _ in range(CONFIGURATIONS):
             values = {}
             for k in mocaps(model):
@@ -235,7 +235,7 @@ def main():
                     data.qpos[at] = values[joints[k]] = random.uniform(max(low, -1e3), min(high, 1e3))
             for joint in follow(model, data):
                 values.pop(joints[joint], None)
-            configurations.append({"values": values, "poses": poses(model, data)})
+            configurations.append({"values": values, "poses": poses(model, data), "qpos": data.qpos.tolist()})
         geoms = []
         for k in range(model.ngeom):
             geom = {
@@ -265,6 +265,7 @@ def main():
             "file": file,
             "text": text,
             "bodies": bodies,
+            "widths": [[7, 4, 1, 1][kind] for kind in model.jnt_type],
             "limits": limits(model),
             "holds": any(leader < 0 for _, leader, _ in followers(model)),
             "geoms": geoms,
