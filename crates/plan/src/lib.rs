@@ -87,7 +87,7 @@
 //! | [`PlanarSpace`] | x, y and an angle |
 //! | [`TranslationSpace`] | x, y and z |
 //! | [`RigidSpace`] | position and quaternion |
-//! | [`JointTree`] | revolute, prismatic and fixed joints, in one chain (`serial`) or with branches; joints may mimic another, and a link may carry any number of bodies |
+//! | [`JointTree`] | revolute, prismatic, ball and fixed joints, in one chain (`serial`) or with branches; joints may mimic another, and a link may carry any number of bodies |
 //!
 //! The crate `lin-canny-robot` reads a [`JointTree`] from a URDF. For any other robot, implement
 //! [`ConfigurationSpace`].

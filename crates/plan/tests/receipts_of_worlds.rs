@@ -90,21 +90,28 @@ fn body(rng: &mut Rng, size: f64) -> Geometry {
 /// A robot of a few links in a world: paddings, margins, excluded pairs, bodies that touch at rest.
 fn world(rng: &mut Rng) -> Checker<JointTree> {
     let joints = 1 + rng.below(4);
-    let joint = |k: usize, rng: &mut Rng| {
+    let joint = |k: usize, rng: &mut Rng| -> Vec<Joint> {
         let origin = Isometry3::translation(if k == 0 { 0.0 } else { 0.8 }, 0.0, 0.0);
         let axis = UnitQuaternion::from_scaled_axis(direction(rng)) * Vector3::z_axis();
         match rng.below(4) {
-            0 => Joint::prismatic(origin, axis, [-1.0, 1.0]),
-            _ => Joint::revolute(origin, axis, [-3.0, 3.0]),
+            0 => vec![Joint::prismatic(origin, axis, [-1.0, 1.0])],
+            1 => Joint::ball(origin, [-3.0, 3.0]).to_vec(),
+            _ => vec![Joint::revolute(origin, axis, [-3.0, 3.0])],
         }
     };
-    let chain: Vec<Joint> = (0..joints).map(|k| joint(k, rng)).collect();
+    let mut chain: Vec<Joint> = Vec::new();
+    // The link of the tree that each joint moves: a ball joint is three joints.
+    let mut links = vec![0];
+    for k in 0..joints {
+        chain.extend(joint(k, rng));
+        links.push(chain.len());
+    }
     let (mut cell, mut on) = (Cell::new(), Vec::new());
     let is_alone = rng.below(12) == 0;
     let first = usize::from(rng.below(2) == 0);
     for k in first..=joints {
         cell.robot_body(format!("link {k}"), body(rng, 0.3));
-        on.push(k);
+        on.push(links[k]);
     }
     if !is_alone {
         let tilt = UnitQuaternion::from_scaled_axis(rng.range(0.0, 0.3) * direction(rng));

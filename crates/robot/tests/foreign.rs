@@ -3,7 +3,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use lin_canny::Geometry;
+use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
+use lin_canny_plan::Cell;
 use lin_canny_robot::{LoadOptions, MotionKind, Packages, Robot, RobotJoint};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 
 /// What a library says of a file: words separated by tabs, one list for each link or joint.
 #[derive(Default)]
@@ -56,7 +61,10 @@ fn rules_are_those_of_the_libraries_of_the_formats() {
         count("joints", said.joints.len());
         // One tree of a model that stands alone is fixed, although it is not static.
         let is_alone = !std::fs::read_to_string(file).is_ok_and(|text| text.contains("<world"));
-        let found = differences(&robot, said, is_alone);
+        let mut found = differences(&robot, said, is_alone);
+        let (poses, far) = moved(&robot, said);
+        count("poses of links", poses);
+        found.extend(far);
         wrong.extend(found.into_iter().map(|what| format!("{file}: {what}")));
     }
     for ((library, what), count) in &counts {
@@ -81,17 +89,26 @@ fn differences(robot: &Robot, said: &Said, is_alone: bool) -> Vec<String> {
         };
         // libsdformat appends a word to the name of a joint that has the name of a link.
         let is_it = |joint: &&RobotJoint| joint.name == name || format!("{}_joint", joint.name) == name;
-        let Some(joint) = robot.joints().iter().find(is_it) else {
+        let part = |part: &str| robot.joints().iter().find(|j| j.name == format!("{name}/{part}"));
+        // A universal joint is two joints, and a screw two that move as one.
+        let last = match kind {
+            "universal" | "revolute2" => part("axis2"),
+            "screw" => part("thread"),
+            _ => None,
+        };
+        let Some(joint) = robot.joints().iter().find(is_it).or_else(|| part("axis")) else {
             // A joint between static links is listed.
             if !(is_static(child) && (parent == "world" || is_static(parent))) {
                 wrong.push(format!("{words:?}: no joint"));
             }
             continue;
         };
-        is_moved.insert(joint.child);
-        let ends = [joint.parent, joint.child].map(|link| robot.links()[link].name.as_str());
+        let child_here = last.unwrap_or(joint).child;
+        is_moved.insert(child_here);
+        let ends = [joint.parent, child_here].map(|link| robot.links()[link].name.as_str());
         let expected = match kind {
-            "revolute" | "continuous" => MotionKind::Revolute,
+            "revolute" | "continuous" | "universal" | "revolute2" | "screw" => MotionKind::Revolute,
+            "ball" => MotionKind::Ball,
             "prismatic" => MotionKind::Prismatic,
             "fixed" => MotionKind::Fixed,
             "planar" => MotionKind::Planar,
@@ -179,4 +196,106 @@ fn differences(robot: &Robot, said: &Said, is_alone: bool) -> Vec<String> {
         }
     }
     wrong
+}
+
+/// Moves a robot of SDFormat to a thousand random configurations, and computes where its links are
+/// from the frames and axes that libsdformat states. Returns how many poses were compared, and
+/// what differs.
+fn moved(robot: &Robot, said: &Said) -> (usize, Vec<String>) {
+    let number = |word: &str| word.parse::<f64>().expect("a number");
+    let after = |words: &[&str], key: &str, count: usize| -> Option<Vec<f64>> {
+        let k = words.iter().position(|word| *word == key)?;
+        Some(words[k + 1..k + 1 + count].iter().map(|word| number(word)).collect())
+    };
+    // Of a screw, libsdformat 12 does not tell in which unit the file states the thread.
+    if said.links.is_empty() || said.joints.iter().any(|words| words[1] == "screw") {
+        return (0, Vec::new());
+    }
+    let mut cell = Cell::new();
+    cell.add_robot("", robot, Isometry3::identity()).expect("a robot");
+    let space = cell.space().expect("a tree");
+    let bodies: Vec<(&str, usize)> = (robot.links().iter())
+        .flat_map(|link| {
+            link.bodies
+                .iter()
+                .filter(|body| !matches!(body.geometry, Geometry::HalfSpace(_)))
+                .map(|_| link.name.as_str())
+        })
+        .zip(space.links().iter().copied())
+        .collect();
+    let drawn: Vec<Isometry3<f64>> = bodies
+        .iter()
+        .map(|(_, link)| space.link_pose(robot.start(), *link).expect("a pose"))
+        .collect();
+    let joints: BTreeMap<&str, &Vec<&str>> = said.joints.iter().map(|words| (words[3], words)).collect();
+    let (mut rng, mut wrong, mut count) = (ChaCha8Rng::seed_from_u64(7), Vec::new(), 0);
+    for _ in 0..1_000 {
+        let mut q = robot.start().to_vec();
+        let floats = robot.joints().iter().filter(|joint| joint.kind == MotionKind::Floating);
+        let floats: BTreeSet<usize> = floats
+            .filter_map(|joint| joint.drive)
+            .flat_map(|drive| drive.coordinate..drive.coordinate + 6)
+            .collect();
+        for (k, coordinate) in robot
+            .coordinates()
+            .iter()
+            .enumerate()
+            .filter(|(k, _)| !floats.contains(k))
+        {
+            q[k] = rng.random_range(coordinate.limits[0]..=coordinate.limits[1]);
+        }
+        let value = |name: String| -> f64 {
+            let joint = robot.joints().iter().find(|joint| joint.name == name);
+            joint
+                .and_then(|joint| joint.drive)
+                .map_or(0.0, |drive| drive.factor * q[drive.coordinate] + drive.offset)
+        };
+        // How a link moved from where the file draws it.
+        let displacement = |link: &str| -> Isometry3<f64> {
+            let (mut moved, mut at) = (Isometry3::identity(), link);
+            while let Some(words) = joints.get(at) {
+                let name = words[0];
+                let p = after(words, "pose", 7).expect("a pose");
+                let turn = UnitQuaternion::from_quaternion(Quaternion::new(p[6], p[3], p[4], p[5]));
+                let frame = Isometry3::from_parts(Translation3::new(p[0], p[1], p[2]), turn);
+                let axis = |k: usize| Vector3::from_vec(after(words, ["axis0", "axis1"][k], 3).expect("an axis"));
+                let about = |axis: Vector3<f64>, angle: f64| {
+                    Isometry3::from_parts(
+                        Translation3::identity(),
+                        UnitQuaternion::from_axis_angle(&Unit::new_normalize(axis), angle),
+                    )
+                };
+                let motion = match words[1] {
+                    "revolute" | "continuous" => about(axis(0), value(name.into())),
+                    "prismatic" => Translation3::from(axis(0).normalize() * value(name.into())).into(),
+                    "universal" | "revolute2" => {
+                        about(axis(0), value(format!("{name}/axis"))) * about(axis(1), value(format!("{name}/axis2")))
+                    }
+                    "ball" => {
+                        let first = robot
+                            .joints()
+                            .iter()
+                            .find(|joint| joint.name == name)
+                            .and_then(|joint| joint.drive);
+                        let [x, y, z] = [0, 1, 2].map(|k| first.map_or(0.0, |drive| q[drive.coordinate + k]));
+                        Isometry3::from_parts(Translation3::identity(), UnitQuaternion::from_euler_angles(x, y, z))
+                    }
+                    _ => Isometry3::identity(),
+                };
+                moved = frame * motion * frame.inverse() * moved;
+                at = words[2];
+            }
+            moved
+        };
+        for ((link, index), drawn) in bodies.iter().zip(&drawn) {
+            let found = space.link_pose(&q, *index).expect("a pose");
+            let expected = displacement(link) * drawn;
+            let far = (found.to_homogeneous() - expected.to_homogeneous()).amax();
+            count += 1;
+            if !(far <= 1e-12 * (1.0 + expected.translation.vector.amax()) || wrong.len() > 3) {
+                wrong.push(format!("{link} at {q:?}: {far:e} apart"));
+            }
+        }
+    }
+    (count, wrong)
 }

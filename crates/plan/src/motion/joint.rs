@@ -43,6 +43,21 @@ impl Joint {
         }
     }
 
+    /// Returns the three joints of a ball joint, all with the same limits.
+    ///
+    /// They turn about z, then y, then x of the frame at `origin`: yaw, pitch and roll. See
+    /// [`TreeJoint::ball`]. The link that turns is the one that the last of them moves.
+    #[must_use]
+    pub fn ball(origin: Isometry3<f64>, limits: [f64; 2]) -> [Self; 3] {
+        let joint = |origin, axis| Self::revolute(origin, axis, limits);
+        let here = Isometry3::identity();
+        [
+            joint(origin, Vector3::z_axis()),
+            joint(here, Vector3::y_axis()),
+            joint(here, Vector3::x_axis()),
+        ]
+    }
+
     /// Returns a joint that slides along an axis.
     #[must_use]
     pub fn prismatic(origin: Isometry3<f64>, axis: Unit<Vector3<f64>>, limits: [f64; 2]) -> Self {
@@ -109,6 +124,43 @@ impl TreeJoint {
             axis: Vector3::z_axis(),
             drive: None,
         }
+    }
+
+    /// Returns the three joints of a ball joint: joints `first` to `first + 2` of a tree.
+    ///
+    /// The link that turns is the last of theirs, link `first + 3`. Coordinates `coordinate` to
+    /// `coordinate + 2` are roll, pitch and yaw in radians: the link turns about x by roll, then about
+    /// y by pitch, then about z by yaw, all of them axes of the joint's frame, which do not turn. So a
+    /// proof for three revolute joints holds for a ball joint. At a pitch of a quarter turn, a change
+    /// of roll and one of yaw turn the link in the same way; elsewhere, each small rotation is a small
+    /// change of the three angles. A straight motion of the angles is not the shortest rotation.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, UnitQuaternion};
+    /// use lin_canny_plan::{JointTree, TreeJoint};
+    ///
+    /// let joints = TreeJoint::ball(0, 0, Isometry3::translation(0.0, 0.0, 1.0), 0);
+    /// let limits = vec![[-4.0, 4.0]; 3];
+    /// let tree = JointTree::new(Isometry3::identity(), joints.to_vec(), limits, vec![3], vec![0.5; 4])?;
+    /// let found = tree.link_pose(&[0.3, -0.2, 1.5], 3)?;
+    /// assert!(found.rotation.angle_to(&UnitQuaternion::from_euler_angles(0.3, -0.2, 1.5)) < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn ball(first: usize, parent: usize, origin: Isometry3<f64>, coordinate: usize) -> [Self; 3] {
+        let joint = |parent, origin, axis, coordinate| Self {
+            parent,
+            kind: JointKind::Revolute,
+            origin,
+            axis,
+            drive: Some(Drive::by(coordinate)),
+        };
+        let here = Isometry3::identity();
+        [
+            joint(parent, origin, Vector3::z_axis(), coordinate + 2),
+            joint(first + 1, here, Vector3::y_axis(), coordinate + 1),
+            joint(first + 2, here, Vector3::x_axis(), coordinate),
+        ]
     }
 
     /// Returns the joint value at a configuration.

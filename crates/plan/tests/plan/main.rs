@@ -4,6 +4,7 @@
 mod apart;
 mod arcs;
 mod arm;
+mod balls;
 mod certify;
 mod changes;
 mod curves;

@@ -8,17 +8,24 @@
 
 #include <sdf/sdf.hh>
 
+using Pose = ignition::math::Pose3d;
+
 static const char *kind(sdf::JointType type) {
     switch (type) {
         case sdf::JointType::REVOLUTE: return "revolute";
         case sdf::JointType::CONTINUOUS: return "continuous";
         case sdf::JointType::PRISMATIC: return "prismatic";
         case sdf::JointType::FIXED: return "fixed";
+        case sdf::JointType::BALL: return "ball";
+        case sdf::JointType::UNIVERSAL: return "universal";
+        case sdf::JointType::REVOLUTE2: return "revolute2";
+        case sdf::JointType::SCREW: return "screw";
         default: return "other";
     }
 }
 
-static void print(const sdf::Model &model, const std::string &prefix, bool is_static) {
+// Prints the links and joints of a model at a pose in the world.
+static void print(const sdf::Model &model, const std::string &prefix, bool is_static, const Pose &at) {
     is_static = is_static || model.Static();
     for (uint64_t k = 0; k < model.LinkCount(); k++) {
         const auto *link = model.LinkByIndex(k);
@@ -42,11 +49,30 @@ static void print(const sdf::Model &model, const std::string &prefix, bool is_st
         if (const auto *axis = joint->Axis(0)) {
             std::cout << "\tlimits\t" << axis->Lower() << "\t" << axis->Upper();
         }
-        std::cout << "\n";
+        Pose pose;
+        if (!joint->SemanticPose().Resolve(pose, "__model__").empty()) {
+            std::cout << "\nerror\n";
+            continue;
+        }
+        pose = at * pose;
+        std::cout << "\tpose\t" << pose.Pos().X() << "\t" << pose.Pos().Y() << "\t" << pose.Pos().Z() << "\t"
+                  << pose.Rot().X() << "\t" << pose.Rot().Y() << "\t" << pose.Rot().Z() << "\t" << pose.Rot().W();
+        for (int a = 0; a < 2; a++) {
+            ignition::math::Vector3d xyz;
+            const auto *axis = joint->Axis(a);
+            if (axis && axis->ResolveXyz(xyz).empty()) {
+                std::cout << "\taxis" << a << "\t" << xyz.X() << "\t" << xyz.Y() << "\t" << xyz.Z();
+            }
+        }
+        std::cout << "\tthread\t" << joint->ThreadPitch() << "\n";
     }
     for (uint64_t k = 0; k < model.ModelCount(); k++) {
         const auto *inner = model.ModelByIndex(k);
-        print(*inner, prefix + inner->Name() + "::", is_static);
+        Pose pose;
+        if (!inner->SemanticPose().Resolve(pose, "__model__").empty()) {
+            std::cout << "error\n";
+        }
+        print(*inner, prefix + inner->Name() + "::", is_static, at * pose);
     }
 }
 
@@ -75,13 +101,17 @@ int main(int count, char **files) {
             continue;
         }
         if (root.Model()) {
-            print(*root.Model(), "", false);
+            print(*root.Model(), "", false, root.Model()->RawPose());
         }
         for (uint64_t w = 0; w < root.WorldCount(); w++) {
             const auto *world = root.WorldByIndex(w);
             for (uint64_t m = 0; m < world->ModelCount(); m++) {
                 const auto *model = world->ModelByIndex(m);
-                print(*model, model->Name() + "::", false);
+                Pose pose;
+                if (!model->SemanticPose().Resolve(pose).empty()) {
+                    std::cout << "error\n";
+                }
+                print(*model, model->Name() + "::", false, pose);
             }
         }
     }
