@@ -4,9 +4,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use lin_canny::Geometry;
-use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
-use lin_canny_plan::Cell;
-use lin_canny_robot::{LoadOptions, MotionKind, Packages, Robot, RobotJoint};
+use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use lin_canny_plan::{Cell, ConfigurationSpace, Drive};
+use lin_canny_robot::{LinkBody, LoadOptions, MotionKind, Packages, Robot, RobotJoint, RobotLink};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -62,7 +62,9 @@ fn rules_are_those_of_the_libraries_of_the_formats() {
         // One tree of a model that stands alone is fixed, although it is not static.
         let is_alone = !std::fs::read_to_string(file).is_ok_and(|text| text.contains("<world"));
         let mut found = differences(&robot, said, is_alone);
-        let (poses, far) = moved(&robot, said);
+        // libsdformat writes the pose of a merged model with six digits, and reads it again.
+        let is_merged = std::fs::read_to_string(file).is_ok_and(|text| text.contains("merge=\"true\""));
+        let (poses, far) = moved(&robot, said, if is_merged { 1e-5 } else { 1e-12 });
         count("poses of links", poses);
         found.extend(far);
         wrong.extend(found.into_iter().map(|what| format!("{file}: {what}")));
@@ -96,11 +98,12 @@ fn differences(robot: &Robot, said: &Said, is_alone: bool) -> Vec<String> {
             "screw" => part("thread"),
             _ => None,
         };
+        // A joint between static links is listed.
+        if is_static(child) && (parent == "world" || is_static(parent)) {
+            continue;
+        }
         let Some(joint) = robot.joints().iter().find(is_it).or_else(|| part("axis")) else {
-            // A joint between static links is listed.
-            if !(is_static(child) && (parent == "world" || is_static(parent))) {
-                wrong.push(format!("{words:?}: no joint"));
-            }
+            wrong.push(format!("{words:?}: no joint"));
             continue;
         };
         let child_here = last.unwrap_or(joint).child;
@@ -201,7 +204,7 @@ fn differences(robot: &Robot, said: &Said, is_alone: bool) -> Vec<String> {
 /// Moves a robot of SDFormat to a thousand random configurations, and computes where its links are
 /// from the frames and axes that libsdformat states. Returns how many poses were compared, and
 /// what differs.
-fn moved(robot: &Robot, said: &Said) -> (usize, Vec<String>) {
+fn moved(robot: &Robot, said: &Said, tolerance: f64) -> (usize, Vec<String>) {
     let number = |word: &str| word.parse::<f64>().expect("a number");
     let after = |words: &[&str], key: &str, count: usize| -> Option<Vec<f64>> {
         let k = words.iter().position(|word| *word == key)?;
@@ -214,85 +217,86 @@ fn moved(robot: &Robot, said: &Said) -> (usize, Vec<String>) {
     let mut cell = Cell::new();
     cell.add_robot("", robot, Isometry3::identity()).expect("a robot");
     let space = cell.space().expect("a tree");
-    let bodies: Vec<(&str, usize)> = (robot.links().iter())
-        .flat_map(|link| {
-            link.bodies
-                .iter()
-                .filter(|body| !matches!(body.geometry, Geometry::HalfSpace(_)))
-                .map(|_| link.name.as_str())
-        })
-        .zip(space.links().iter().copied())
+    let of_robot = |body: &&LinkBody| !matches!(body.geometry, Geometry::HalfSpace(_));
+    let names = |link: &'_ RobotLink| vec![link.name.clone(); link.bodies.iter().filter(of_robot).count()];
+    let bodies: Vec<String> = robot.links().iter().flat_map(names).collect();
+    let placed = |q: &[f64]| {
+        let mut poses = Vec::new();
+        space.place(q, &mut poses);
+        // Frames of links without bodies come last.
+        poses
+    };
+    let drawn = placed(robot.start());
+    // For each link that a joint moves: its parent, the frame of the joint, and the motion.
+    let drive = |name: &str| {
+        robot
+            .joints()
+            .iter()
+            .find(|joint| joint.name == name)
+            .and_then(|joint| joint.drive)
+    };
+    let mut joints = BTreeMap::new();
+    for words in &said.joints {
+        let p = after(words, "pose", 7).expect("a pose");
+        let turn = UnitQuaternion::from_quaternion(Quaternion::new(p[6], p[3], p[4], p[5]));
+        let frame = Isometry3::from_parts(Translation3::new(p[0], p[1], p[2]), turn);
+        let axis = |k: usize| Vector3::from_vec(after(words, ["axis0", "axis1"][k], 3).expect("an axis")).normalize();
+        let name = words[0];
+        let parts = match words[1] {
+            "revolute" | "continuous" => vec![(true, axis(0), drive(name))],
+            "prismatic" => vec![(false, axis(0), drive(name))],
+            "universal" | "revolute2" => (0..2)
+                .map(|k| (true, axis(k), drive(&format!("{name}/{}", ["axis", "axis2"][k]))))
+                .collect(),
+            "ball" => (0..3)
+                .map(|k| {
+                    let after = |drive: Drive| Drive {
+                        coordinate: drive.coordinate + 2 - k,
+                        ..drive
+                    };
+                    (true, Vector3::ith(2 - k, 1.0), drive(name).map(after))
+                })
+                .collect(),
+            _ => Vec::new(),
+        };
+        joints.insert(words[3], (words[2], frame, parts));
+    }
+    let floats = robot.joints().iter().filter(|joint| joint.kind == MotionKind::Floating);
+    let floats: BTreeSet<usize> = floats
+        .filter_map(|joint| joint.drive)
+        .flat_map(|drive| drive.coordinate..drive.coordinate + 6)
         .collect();
-    let drawn: Vec<Isometry3<f64>> = bodies
-        .iter()
-        .map(|(_, link)| space.link_pose(robot.start(), *link).expect("a pose"))
-        .collect();
-    let joints: BTreeMap<&str, &Vec<&str>> = said.joints.iter().map(|words| (words[3], words)).collect();
     let (mut rng, mut wrong, mut count) = (ChaCha8Rng::seed_from_u64(7), Vec::new(), 0);
     for _ in 0..1_000 {
         let mut q = robot.start().to_vec();
-        let floats = robot.joints().iter().filter(|joint| joint.kind == MotionKind::Floating);
-        let floats: BTreeSet<usize> = floats
-            .filter_map(|joint| joint.drive)
-            .flat_map(|drive| drive.coordinate..drive.coordinate + 6)
-            .collect();
         for (k, coordinate) in robot
             .coordinates()
             .iter()
             .enumerate()
             .filter(|(k, _)| !floats.contains(k))
         {
-            q[k] = rng.random_range(coordinate.limits[0]..=coordinate.limits[1]);
+            q[k] = rng.random_range(coordinate.limits[0].max(-1e3)..=coordinate.limits[1].min(1e3));
         }
-        let value = |name: String| -> f64 {
-            let joint = robot.joints().iter().find(|joint| joint.name == name);
-            joint
-                .and_then(|joint| joint.drive)
-                .map_or(0.0, |drive| drive.factor * q[drive.coordinate] + drive.offset)
-        };
-        // How a link moved from where the file draws it.
-        let displacement = |link: &str| -> Isometry3<f64> {
-            let (mut moved, mut at) = (Isometry3::identity(), link);
-            while let Some(words) = joints.get(at) {
-                let name = words[0];
-                let p = after(words, "pose", 7).expect("a pose");
-                let turn = UnitQuaternion::from_quaternion(Quaternion::new(p[6], p[3], p[4], p[5]));
-                let frame = Isometry3::from_parts(Translation3::new(p[0], p[1], p[2]), turn);
-                let axis = |k: usize| Vector3::from_vec(after(words, ["axis0", "axis1"][k], 3).expect("an axis"));
-                let about = |axis: Vector3<f64>, angle: f64| {
-                    Isometry3::from_parts(
-                        Translation3::identity(),
-                        UnitQuaternion::from_axis_angle(&Unit::new_normalize(axis), angle),
-                    )
-                };
-                let motion = match words[1] {
-                    "revolute" | "continuous" => about(axis(0), value(name.into())),
-                    "prismatic" => Translation3::from(axis(0).normalize() * value(name.into())).into(),
-                    "universal" | "revolute2" => {
-                        about(axis(0), value(format!("{name}/axis"))) * about(axis(1), value(format!("{name}/axis2")))
-                    }
-                    "ball" => {
-                        let first = robot
-                            .joints()
-                            .iter()
-                            .find(|joint| joint.name == name)
-                            .and_then(|joint| joint.drive);
-                        let [x, y, z] = [0, 1, 2].map(|k| first.map_or(0.0, |drive| q[drive.coordinate + k]));
-                        Isometry3::from_parts(Translation3::identity(), UnitQuaternion::from_euler_angles(x, y, z))
-                    }
-                    _ => Isometry3::identity(),
-                };
+        let found = placed(&q);
+        for ((link, found), drawn) in bodies.iter().zip(&found).zip(&drawn) {
+            // How the link moved from where the file draws it.
+            let (mut moved, mut at) = (Isometry3::identity(), link.as_str());
+            while let Some((parent, frame, parts)) = joints.get(at) {
+                let mut motion = Isometry3::identity();
+                for (turns, axis, drive) in parts {
+                    let value = drive.map_or(0.0, |drive: Drive| drive.factor * q[drive.coordinate] + drive.offset);
+                    motion *= match turns {
+                        true => Isometry3::new(Vector3::zeros(), axis * value),
+                        false => Isometry3::new(axis * value, Vector3::zeros()),
+                    };
+                }
                 moved = frame * motion * frame.inverse() * moved;
-                at = words[2];
+                at = parent;
             }
-            moved
-        };
-        for ((link, index), drawn) in bodies.iter().zip(&drawn) {
-            let found = space.link_pose(&q, *index).expect("a pose");
-            let expected = displacement(link) * drawn;
+            let expected = moved * drawn;
             let far = (found.to_homogeneous() - expected.to_homogeneous()).amax();
             count += 1;
-            if !(far <= 1e-12 * (1.0 + expected.translation.vector.amax()) || wrong.len() > 3) {
+            if !(far <= tolerance * (1.0 + expected.translation.vector.amax()) || wrong.len() > 3) {
                 wrong.push(format!("{link} at {q:?}: {far:e} apart"));
             }
         }
