@@ -87,7 +87,8 @@
 //!
 //! * The root link is `world`, and each body is a link. A body with several joints, or with a joint
 //!   whose `pos` is not zero, has links without bodies before it: `body:joint`. Without a name in
-//!   the file, bodies and joints are `body3` and `joint2`, with MuJoCo's numbers.
+//!   the file, bodies and joints are `body3` and `joint2`, with MuJoCo's numbers, and `_` after them
+//!   where the file has that name.
 //! * A coordinate is MuJoCo's `qpos` of the joint, so that `ref` is the drawn pose. A free joint
 //!   has the position in the world, and angles as in `rpy`; its limits contain the drawn pose. A
 //!   ball joint has the angles `JOINT/roll`, `JOINT/pitch` and `JOINT/yaw`. Its `range` limits the

@@ -102,6 +102,8 @@ pub(super) struct Model<'e> {
     attached: Vec<Attached>,
     /// The assets of each file.
     assets: Vec<Assets<'e>>,
+    /// All names in the files.
+    stated: HashSet<&'e str>,
     /// Names of joints and geoms, with the kind.
     names: HashSet<(&'static str, String)>,
     body_count: usize,
@@ -154,6 +156,7 @@ impl<'e> Model<'e> {
             specs,
             attached: Vec::new(),
             assets: assets.collect::<Result<_, _>>()?,
+            stated: specs.iter().flat_map(Spec::names).collect(),
             names: HashSet::new(),
             body_count: 0,
             joint_count: 0,
@@ -330,9 +333,18 @@ impl<'e> Model<'e> {
         Ok(())
     }
 
+    /// Returns the name of an element without a name, which no element of the files has.
+    fn given(&self, mut name: String) -> String {
+        while self.stated.contains(name.as_str()) {
+            name.push('_');
+        }
+        name
+    }
+
     /// Adds the copies of an element `replicate`: each is moved relative to the one before.
     fn copies(&mut self, element: &'e Element, scope: Scope) -> Result<(), FileError> {
-        element.check_attributes(&["count", "sep", "offset", "euler"])?;
+        element.check_attributes(&["count", "sep", "offset", "euler", "childclass"])?;
+        let class = self.specs[scope.spec].classes.below(element, scope.class)?;
         let text = element.needed("count")?;
         let why = || format!("invalid count: {text:?} (expected a whole number from 1)");
         let count: usize = (text.trim().parse().ok().filter(|n| *n > 0))
@@ -350,6 +362,7 @@ impl<'e> Model<'e> {
             let suffix = format!("{separator}{k:0digits$}{}", scope.suffix);
             let scope = Scope {
                 frame,
+                class,
                 suffix: &suffix,
                 ..scope
             };
@@ -365,7 +378,7 @@ impl<'e> Model<'e> {
         self.body_count += 1;
         let name = match element.get("name") {
             Some(name) => scope.name(name),
-            None => format!("body{}", self.body_count),
+            None => self.given(format!("body{}", self.body_count)),
         };
         check_name(&name).map_err(|reason| element.error(reason))?;
         let settings = Settings::own(element);
@@ -449,7 +462,7 @@ impl<'e> Model<'e> {
         self.joint_count += 1;
         let name = match element.get("name") {
             Some(name) => scope.name(name),
-            None => format!("joint{}", self.joint_count - 1),
+            None => self.given(format!("joint{}", self.joint_count - 1)),
         };
         check_name(&name).map_err(|reason| element.error(reason))?;
         if !self.names.insert(("joint", name.clone())) {

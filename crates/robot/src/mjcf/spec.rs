@@ -164,6 +164,16 @@ impl<'e> Spec<'e> {
         })
     }
 
+    /// Returns the names of all elements of the sections `worldbody`.
+    pub(super) fn names(&self) -> Vec<&'e str> {
+        let (mut names, mut open) = (Vec::new(), self.worlds.clone());
+        while let Some(element) = open.pop() {
+            names.extend(element.get("name"));
+            open.extend(&element.children);
+        }
+        names
+    }
+
     /// Returns a body or frame of the file with a name, and the class of its surroundings.
     pub(super) fn find(&self, kind: &str, name: &str) -> Result<Option<(&'e Element, &'e str)>, FileError> {
         let mut open: Vec<(&'e Element, &'e str)> = self.worlds.iter().map(|world| (*world, "main")).collect();

@@ -26,7 +26,14 @@ PARTS = ["x", "y", "z", "roll", "pitch", "yaw"]
 
 
 def name(model, kind, k, other):
-    return mujoco.mj_id2name(model, kind, k) or f"{other}{k}"
+    """Returns the name of an element; one without a name gets one that no body, joint or geom of the file has."""
+    found = mujoco.mj_id2name(model, kind, k)
+    if not found:
+        found = f"{other}{k}"
+        kinds = [mujoco.mjtObj.mjOBJ_BODY, mujoco.mjtObj.mjOBJ_JOINT, mujoco.mjtObj.mjOBJ_GEOM]
+        while any(mujoco.mj_name2id(model, kind, found) >= 0 for kind in kinds):
+            found += "_"
+    return found
 
 
 def rpy(roll, pitch, yaw):
