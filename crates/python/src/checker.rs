@@ -487,7 +487,7 @@ fn named(error: &PlanError, coordinates: &[Coordinate]) -> String {
 }
 
 /// Returns a configuration of an argument of shape (dof,).
-fn configuration(obj: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+pub(crate) fn configuration(obj: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     if let Ok(array) = obj.cast::<PyArray1<f64>>()
         && let Ok(numbers) = array.to_vec()
     {

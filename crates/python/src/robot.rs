@@ -7,8 +7,8 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use crate::checker::Checker;
-use crate::errors::{file_error, refused};
+use crate::checker::{Checker, configuration};
+use crate::errors::{file_error, plan_error, refused};
 
 /// The files of a robot.
 #[derive(Clone)]
@@ -150,6 +150,20 @@ impl Robot {
     fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let limits: Vec<[f64; 2]> = self.robot.coordinates().iter().map(|c| c.limits).collect();
         PyArray1::from_vec(py, limits.into_flattened()).reshape([self.dof(), 2])
+    }
+
+    /// The configuration of MuJoCo's `qpos`, for a robot of an MJCF file.
+    ///
+    /// The quaternions of free and ball joints become the angles roll, pitch and yaw.
+    fn from_qpos<'py>(&self, py: Python<'py>, qpos: &Bound<'_, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let found = self.robot.from_qpos(&configuration(qpos)?);
+        Ok(PyArray1::from_vec(py, found.map_err(plan_error)?))
+    }
+
+    /// MuJoCo's `qpos` of a configuration, for a robot of an MJCF file: the inverse of `from_qpos`.
+    fn to_qpos<'py>(&self, py: Python<'py>, q: &Bound<'_, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let found = self.robot.to_qpos(&configuration(q)?);
+        Ok(PyArray1::from_vec(py, found.map_err(plan_error)?))
     }
 
     /// What the file and the SRDF have and this robot does not use, with file, line and reason:

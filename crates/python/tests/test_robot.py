@@ -195,6 +195,25 @@ def test_bodies_float_as_far_as_the_argument_says(tmp_path):
         lc.Robot.load(path, floating=-1.0)
 
 
+def test_configurations_are_converted_from_and_to_qpos(tmp_path):
+    path = tmp_path / "r.xml"
+    geom = '<geom size=".1"/>'
+    path.write_text(
+        f'<mujoco><worldbody><body><joint type="ball" name="hip"/>{geom}<body><joint name="knee"/>{geom}</body></body>'
+        "</worldbody></mujoco>"
+    )
+    robot = lc.Robot.load(path)
+    assert robot.coordinates == ["hip/roll", "hip/pitch", "hip/yaw", "knee"]
+    half = np.sqrt(0.5)
+    q = robot.from_qpos([half, 0, 0, half, 0.25])
+    assert q == pytest.approx([0, 0, np.pi / 2, 0.25])
+    assert robot.to_qpos(q) == pytest.approx([half, 0, 0, half, 0.25])
+    with pytest.raises(lc.LinCannyError, match="number of values of qpos"):
+        robot.from_qpos([1, 0, 0, 0])
+    with pytest.raises(lc.LinCannyError, match="length of a quaternion"):
+        robot.from_qpos([0, 0, 0, 0, 0])
+
+
 def test_an_srdf_enables_adjacent_links(robot, tmp_path):
     names = '<enable_collisions link1="base" link2="bar"/>'
     (tmp_path / "on.srdf").write_text(f'<robot name="turner">{names}</robot>')
