@@ -1,92 +1,131 @@
-//! Benchmarks of accuracy levels: follow one level of the instrument `accuracy_cost` over time.
+//! What accuracy costs in time: every level of an answer on one motion, beside GJK.
 //!
-//! Run `cargo bench --bench accuracy`, with `-- --save-baseline NAME` before a change and
-//! `-- --baseline NAME` after it. `cargo run --release -p race --bin accuracy_cost` measures errors
-//! too and interleaves all engines.
+//! Two hulls orbit each other at a gap of 2 % of their radius, half a degree a frame. The benchmark
+//! first prints the largest error of each level against the exact distance, in units of the size of
+//! the pair, also at a gap of 1e-9. Run `cargo bench --bench accuracy`; `cargo run --release -p race --bin accuracy_cost`
+//! measures more motions and other libraries.
 
-use std::hint::black_box;
+mod common;
 
-use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main, measurement::WallTime};
+use common::{Group, chosen, each};
+use criterion::{Criterion, criterion_group, criterion_main};
+use lin_canny::nalgebra::Isometry3;
 use lin_canny::{RelativePose, Tracker};
-use truth::pairs::{Body, Pair, ball};
-use truth::parry::GjkCached;
+use truth::exact::solve;
+use truth::motion::Frame;
+use truth::pairs::Pair;
+use truth::parry::{self, GjkCached};
 
 const FRAMES: usize = 500;
 
-type Group<'a> = BenchmarkGroup<'a, WallTime>;
+/// Frames whose error is measured: rational arithmetic takes milliseconds each.
+const JUDGED: usize = 20;
 
-/// Measures one query; successive measurements use successive frames.
-fn each<T>(group: &mut Group, name: &str, n: usize, pair: &Pair, mut ask: impl FnMut(&RelativePose) -> T) {
-    let mut k = 0;
-    group.bench_function(BenchmarkId::new(name, n), |bench| {
-        bench.iter(|| {
-            k = (k + 1) % pair.frames.len();
-            let (a, b) = &pair.isometries[k];
-            black_box(ask(&RelativePose::new(a, b).expect("a pose")))
-        });
-    });
+/// A frame in the form of each engine.
+type Case = (Frame, (Isometry3<f64>, Isometry3<f64>));
+
+/// One level: its name, and what it says about a frame.
+type Level<'a> = (&'static str, Box<dyn FnMut(&Case) -> f64 + 'a>);
+
+fn levels<'a>(pair: &'a Pair) -> Vec<Level<'a>> {
+    let (a, b) = (&pair.a.ours, &pair.b.ours);
+    let pose = |case: &Case| RelativePose::new(&case.1.0, &case.1.1).expect("a pose");
+    let [mut walk, mut within, mut overlap] = [0; 3].map(|_| Tracker::new());
+    let [mut distance, mut closest, mut exact] = [0; 3].map(|_| Tracker::new());
+    let mut gjk = GjkCached::default();
+    let mut list: Vec<Level<'a>> = vec![
+        (
+            "walk, not proven",
+            Box::new(move |c| walk.propose(a, b, &pose(c)).distance.unwrap_or(f64::NAN)),
+        ),
+        (
+            "distance with bounds",
+            Box::new(move |c| distance.distance(a, b, &pose(c)).value),
+        ),
+        (
+            "closest points with bounds",
+            Box::new(move |c| closest.closest(a, b, &pose(c)).distance),
+        ),
+        (
+            "the same, cold",
+            Box::new(move |c| Tracker::new().closest(a, b, &pose(c)).distance),
+        ),
+        (
+            "correctly rounded",
+            Box::new(move |c| exact.closest_exact(a, b, &pose(c)).distance),
+        ),
+        (
+            "gjk-cached",
+            Box::new(move |c| {
+                let found = gjk.closest(&pair.a.climber, &c.0.a, &pair.b.climber, &c.0.b);
+                found.map_or(f64::NAN, |w| w.distance)
+            }),
+        ),
+        // Yes or no alone: no error is printed.
+        (
+            "overlap",
+            Box::new(move |c| f64::from(u8::from(overlap.intersects(a, b, &pose(c))))),
+        ),
+        (
+            "within",
+            Box::new(move |c| f64::from(u8::from(within.within(a, b, &pose(c), 0.01)))),
+        ),
+    ];
+    if let (Some(one), Some(other)) = (&pair.a.parry, &pair.b.parry) {
+        list.push(("parry", Box::new(move |c| parry::distance(one, &c.0.a, other, &c.0.b))));
+    }
+    list
 }
 
-fn gjk(group: &mut Group, n: usize, pair: &Pair) {
-    let (mut k, mut state) = (0, GjkCached::default());
-    group.bench_function(BenchmarkId::new("gjk-cached", n), |bench| {
-        bench.iter(|| {
-            k = (k + 1) % pair.frames.len();
-            let f = &pair.frames[k];
-            black_box(state.closest(&pair.a.climber, &f.a, &pair.b.climber, &f.b))
-        });
-    });
-}
-
-fn levels(c: &mut Criterion) {
-    let mut group = c.benchmark_group("levels/sphere-0.05deg");
-    for n in [8, 512] {
-        let pair = Pair::of("sphere", n).expect("a sphere").swinging(0.05, FRAMES);
-        let (a, b) = (&pair.a.ours, &pair.b.ours);
-        let mut t = Tracker::new();
-        each(&mut group, "walk", n, &pair, |p| t.propose(a, b, p));
-        let mut t = Tracker::new();
-        each(&mut group, "certified", n, &pair, |p| t.closest(a, b, p));
-        let mut t = Tracker::new();
-        each(&mut group, "exact", n, &pair, |p| t.closest_exact(a, b, p));
-        each(&mut group, "certified-cold", n, &pair, |p| {
-            Tracker::new().closest(a, b, p)
-        });
-        gjk(&mut group, n, &pair);
+fn accuracy(c: &mut Criterion) {
+    for &n in chosen(&[32, 512], &[8, 32, 128, 512, 2048]) {
+        let spheres = || Pair::of("sphere", n).expect("a sphere");
+        let pair = spheres().moving(Some(0.5), FRAMES);
+        if n <= 128 {
+            let gaps = [errors(&pair), errors(&spheres().at_gap(1e-9, FRAMES))];
+            println!("hulls of {n} vertices: largest error over the size of the pair, at gaps of 2e-2 and 1e-9 radii");
+            for ((name, one), (_, other)) in gaps[0].iter().zip(&gaps[1]) {
+                println!("  {name:<28} {one:8.1e} {other:8.1e}");
+            }
+        }
+        let mut group: Group = c.benchmark_group("accuracy");
+        for (name, mut ask) in levels(&pair) {
+            each(&mut group, name, n, &cases(&pair), |case| ask(case));
+        }
+        group.finish();
     }
 }
 
-/// Benchmarks a sphere replaced by hulls of more and more vertices.
-fn geometry(c: &mut Criterion) {
-    let mut group = c.benchmark_group("geometry/ball-0.5deg");
-    for n in [12, 120, 1200, 12_000, 100_000] {
-        let body = || Body::new(&ball(n)).expect("a hull");
-        let pair = Pair::new(body(), body()).moving(Some(0.5), FRAMES);
-        let mut t = Tracker::new();
-        each(&mut group, "certified", n, &pair, |p| {
-            t.closest(&pair.a.ours, &pair.b.ours, p)
-        });
-        gjk(&mut group, n, &pair);
-    }
+fn cases(pair: &Pair) -> Vec<Case> {
+    pair.frames
+        .iter()
+        .copied()
+        .zip(pair.isometries.iter().copied())
+        .collect()
 }
 
-/// Benchmarks every question on one motion.
-fn asking(c: &mut Criterion) {
-    for degrees in [0.05, 1.0] {
-        let mut group = c.benchmark_group(format!("asking/flat-{degrees}deg"));
-        let n = 512;
-        let pair = Pair::of("flat", n).expect("a flat body").swinging(degrees, FRAMES);
-        let (a, b) = (&pair.a.ours, &pair.b.ours);
-        let mut t = Tracker::new();
-        each(&mut group, "overlap", n, &pair, |p| t.intersects(a, b, p));
-        let mut t = Tracker::new();
-        each(&mut group, "within", n, &pair, |p| t.within(a, b, p, 0.1));
-        let mut t = Tracker::new();
-        each(&mut group, "distance", n, &pair, |p| t.distance(a, b, p));
-        let mut t = Tracker::new();
-        each(&mut group, "witnesses", n, &pair, |p| t.closest(a, b, p));
-    }
+/// Returns the largest error of each level that says a distance.
+fn errors(pair: &Pair) -> Vec<(&'static str, f64)> {
+    let cases = cases(pair);
+    let judged: Vec<usize> = (0..cases.len()).step_by(cases.len() / JUDGED).collect();
+    let exact = |k: &usize| solve(pair.a.plain(), &pair.frames[*k].a, pair.b.plain(), &pair.frames[*k].b).distance;
+    let exact: Vec<f64> = judged.iter().map(exact).collect();
+    let distances = levels(pair)
+        .into_iter()
+        .filter(|(name, _)| !["overlap", "within"].contains(name));
+    let worst = |(name, mut ask): Level| {
+        let errors = judged
+            .iter()
+            .zip(&exact)
+            .map(|(&k, exact)| (ask(&cases[k]) - exact).abs() / pair.size(k));
+        // NaN counts.
+        (
+            name,
+            errors.fold(0.0f64, |worst, error| if error <= worst { worst } else { error }),
+        )
+    };
+    distances.map(worst).collect()
 }
 
-criterion_group!(benches, levels, geometry, asking);
+criterion_group!(name = benches; config = common::criterion(); targets = accuracy);
 criterion_main!(benches);

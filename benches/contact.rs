@@ -4,9 +4,10 @@
 //! (`cargo run --release -p race --bin race -- contact`), which interleaves the engines and
 //! compares their answers. These benchmarks follow one engine over time.
 
-use std::hint::black_box;
+mod common;
 
-use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use common::{Group, chosen, each};
+use criterion::{Criterion, criterion_group, criterion_main};
 use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker};
 use truth::contacts::{PREDICTION, SCENES, Scene, plain, shapes};
 use truth::parry::{self, ContactPair};
@@ -18,53 +19,37 @@ fn hull(body: &ConvexPolyhedron) -> Option<parry::Hull> {
     parry::mesh(&points, &faces)
 }
 
-/// Measures one query; successive measurements use successive frames.
+/// Benchmarks depth and manifolds of bodies that rest, slide, turn in contact and pass each other.
 fn contacts(c: &mut Criterion) {
     for scene in SCENES {
-        for (shape, n) in shapes(scene) {
+        let all = shapes(scene);
+        let one = all.iter().position(|(_, n)| *n == 128).map_or(0..0, |k| k..k + 1);
+        for &(shape, n) in chosen(&all[one], &all) {
             let s = Scene::new(scene, shape, n, FRAMES);
-            let mut group = c.benchmark_group(format!("{scene}/{shape}"));
+            let mut group = c.benchmark_group(format!("contact/{scene}/{shape}"));
             ours(&mut group, &s, n);
             theirs(&mut group, &s, n);
         }
     }
 }
 
-type Group<'a> = criterion::BenchmarkGroup<'a, criterion::measurement::WallTime>;
-
 fn ours(group: &mut Group, s: &Scene, n: usize) {
-    let poses = s.poses();
-    let relative = |k: usize| RelativePose::new(&poses[k].0, &poses[k].1).expect("a pose");
-    let (mut k, mut pair) = (0, Tracker::new());
-    group.bench_function(BenchmarkId::new("ours", n), |bench| {
-        bench.iter(|| {
-            k = (k + 1) % FRAMES;
-            let o = pair.closest(&s.a, &s.b, &relative(k));
-            let (pa, pb) = &poses[k];
-            black_box((
-                pa * o.point_on_a,
-                pb * o.point_on_b,
-                pa * o.normal.into_inner(),
-                o.distance,
-            ))
-        });
+    let poses: Vec<RelativePose> = s
+        .poses()
+        .iter()
+        .map(|(a, b)| RelativePose::new(a, b).expect("a pose"))
+        .collect();
+    let mut pair = Tracker::new();
+    each(group, "ours, depth", n, &poses, |pose| pair.closest(&s.a, &s.b, pose));
+    let mut pair = Tracker::new();
+    each(group, "ours, local depth", n, &poses, |pose| {
+        pair.closest_with_local_depth(&s.a, &s.b, pose)
     });
-    let (mut k, mut pair) = (0, Tracker::new());
-    group.bench_function(BenchmarkId::new("ours-local", n), |bench| {
-        bench.iter(|| {
-            k = (k + 1) % FRAMES;
-            let o = pair.closest_with_local_depth(&s.a, &s.b, &relative(k));
-            black_box((o.point_on_a, o.point_on_b, o.normal, o.distance))
-        });
-    });
-    let (mut k, mut pair, mut manifold) = (0, Tracker::new(), Manifold::new());
+    let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
     let options = ManifoldOptions::with_prediction(PREDICTION);
-    group.bench_function(BenchmarkId::new("ours-manifold", n), |bench| {
-        bench.iter(|| {
-            k = (k + 1) % FRAMES;
-            pair.manifold(&s.a, &s.b, &relative(k), &options, &mut manifold);
-            manifold.points().len()
-        });
+    each(group, "ours, manifold", n, &poses, |pose| {
+        pair.manifold(&s.a, &s.b, pose, &options, &mut manifold);
+        manifold.points().len()
     });
 }
 
@@ -77,21 +62,14 @@ fn theirs(group: &mut Group, s: &Scene, n: usize) {
         .iter()
         .map(|f| (parry::pose(&f.a), parry::pose(&f.b)))
         .collect();
-    let mut k = 0;
-    group.bench_function(BenchmarkId::new("parry-contact", n), |bench| {
-        bench.iter(|| {
-            k = (k + 1) % FRAMES;
-            parry::contact(&a, &poses[k].0, &b, &poses[k].1, PREDICTION)
-        });
+    each(group, "parry, contact", n, &poses, |(pa, pb)| {
+        parry::contact(&a, pa, &b, pb, PREDICTION)
     });
-    let (mut k, mut kept) = (0, ContactPair::default());
-    group.bench_function(BenchmarkId::new("parry-manifold-warm", n), |bench| {
-        bench.iter(|| {
-            k = (k + 1) % FRAMES;
-            kept.manifold(&a, &poses[k].0, &b, &poses[k].1, PREDICTION).len()
-        });
+    let mut kept = ContactPair::default();
+    each(group, "parry, manifold", n, &poses, |(pa, pb)| {
+        kept.manifold(&a, pa, &b, pb, PREDICTION).len()
     });
 }
 
-criterion_group!(benches, contacts);
+criterion_group!(name = benches; config = common::criterion(); targets = contacts);
 criterion_main!(benches);

@@ -2,6 +2,9 @@
 //!
 //! The race `scene` compares it with other libraries.
 
+mod common;
+
+use common::chosen;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lin_canny::ManifoldOptions;
 use lin_canny::scene::{Body, BodyId, Group, PairQueries, Scene};
@@ -49,10 +52,11 @@ fn advance(scene: &mut Scene, ids: &[BodyId], crowd: &mut Crowd) {
 
 /// The measurement includes the poses of the next step: a few nanoseconds per body.
 fn moving(criterion: &mut Criterion) {
-    for (kind, name) in [(Kind::Sparse, "sparse"), (Kind::Pile, "pile")] {
-        for vertices in [32, 256] {
+    let kinds = [(Kind::Pile, "pile"), (Kind::Sparse, "sparse")];
+    for &(kind, name) in chosen(&kinds[..1], &kinds) {
+        for &vertices in chosen(&[32], &[32, 256]) {
             let mut group = criterion.benchmark_group(format!("scene/{name}-{vertices}"));
-            for n in [1_000, 10_000] {
+            for &n in chosen(&[1_000], &[1_000, 10_000]) {
                 group.throughput(Throughput::Elements(n as u64)).sample_size(10);
                 for (queries, set) in SETS {
                     let mut crowd = Crowd::new(kind, n, vertices);
@@ -85,5 +89,5 @@ fn resting(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, moving, resting);
+criterion_group!(name = benches; config = common::criterion(); targets = moving, resting);
 criterion_main!(benches);

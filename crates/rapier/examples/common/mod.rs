@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "no example uses all of it")]
 
+pub(crate) mod effects;
 pub(crate) mod picture;
 
 use lin_canny_rapier::lin_canny_parry::lin_canny::{RelativePose, Tracker};

@@ -1,0 +1,48 @@
+//! What the benchmarks share: how long a row is measured, and which rows there are.
+//!
+//! By default each benchmark has the rows that answer its question. `LIN_CANNY_BENCH=all` adds the
+//! other shapes, sizes and motions.
+
+#![allow(dead_code, reason = "each benchmark uses a part")]
+
+use std::hint::black_box;
+use std::time::Duration;
+
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion};
+
+/// A group of rows.
+pub(crate) type Group<'a> = BenchmarkGroup<'a, WallTime>;
+
+/// Returns the settings of all benchmarks: a second of warm-up, two seconds of measurement.
+pub(crate) fn criterion() -> Criterion {
+    Criterion::default()
+        .warm_up_time(Duration::from_secs(1))
+        .measurement_time(Duration::from_secs(2))
+        .sample_size(50)
+}
+
+/// Returns the default values, or all of them.
+pub(crate) fn chosen<'a, T>(default: &'a [T], all: &'a [T]) -> &'a [T] {
+    match std::env::var("LIN_CANNY_BENCH") {
+        Ok(which) if which == "all" => all,
+        _ => default,
+    }
+}
+
+/// Measures a call; successive measurements use successive cases.
+pub(crate) fn each<C, T>(
+    group: &mut Group,
+    name: &str,
+    size: impl std::fmt::Display,
+    cases: &[C],
+    mut ask: impl FnMut(&C) -> T,
+) {
+    let mut k = 0;
+    group.bench_function(BenchmarkId::new(name, size), |bench| {
+        bench.iter(|| {
+            k = (k + 1) % cases.len();
+            black_box(ask(&cases[k]))
+        });
+    });
+}
