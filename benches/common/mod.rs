@@ -20,6 +20,8 @@ pub(crate) fn criterion() -> Criterion {
         .warm_up_time(Duration::from_secs(1))
         .measurement_time(Duration::from_secs(2))
         .sample_size(50)
+        // Intervals of bootstrapping take longer than plots else.
+        .nresamples(10_000)
 }
 
 /// Returns the default values, or all of them.

@@ -87,12 +87,9 @@ const FIGURES: &[Figure] = &[
     (RAPIER, "| 99.9 % quantile of the overlap / parry's | {} | {} | {} |", "2026-11-28-pile.csv", |r| pile(r, 4)),
     (RAPIER, "| time per contact call, ours | {} ns | {} ns | {} ns |", "2026-11-28-calls.csv", |r| calls(r, "ours")),
     (RAPIER, "| time per contact call, parry | {} ns | {} ns | {} ns |", "2026-11-28-calls.csv", |r| calls(r, "parry")),
-    (ROBOT, "on {} public model files: {} load here, with equal limits and couplings; pairs and poses are equal for {}, and", "2026-11-29-rules-of-files.txt", |r| {
-        vec![r.all_after("in all 1,026 files, ")[0], r.after("Differences in limits and couplings: 0 of "), r.after("in pairs: 0 of ")]
-    }),
-    (ROBOT, "with urdfdom ({} files), SDFormat with libsdformat 12.3 ({} files", "2026-11-29-rules-of-files.txt", |r| {
-        vec![r.after("urdfdom loads 1,380, of these "), r.after("libsdformat 12 loads 454, of these ")]
-    }),
+    (ROBOT, "with MuJoCo 4.0.0 on {} public models", "2026-11-30-ball-joints.txt", |r| vec![r.before(" models load here, and agree")]),
+    (ROBOT, "with libsdformat 12.3 on {} files", "2026-11-30-ball-joints.txt", |r| vec![r.after("libsdformat loads 433 files, of these ")]),
+    (ROBOT, "and URDF with urdfdom on {} (", "2026-11-29-rules-of-files.txt", |r| vec![r.after("urdfdom loads 1,380, of these ")]),
     (STUDY, "A row takes {} bytes of input and {} bytes of output.", "2026-11-23-study.txt", |r| vec![r.after("random configurations; input "), r.after("MB, output ")]),
     (STUDY, "one core | {} | | the same loop with `Checker::forget` before each row, as in the SQL functions | {} | | `study run` with one partition, Parquet to Parquet | {} | \
         | `study run` with two partitions | {} |", "2026-11-23-study.txt", |r| {

@@ -672,9 +672,9 @@ const PACKAGES: &[(&str, &[&str])] = &[
             "error text turn xml_text xml csv_rows yaml",
             "packages options mesh_file geometry",
             // What the readers of robots return.
-            "robot link_tree",
+            "robot link_tree qpos",
             "groups srdf drake urdf",
-            "mjcf: element settings geom bodies pairs mod",
+            "mjcf: element settings geom spec bodies pairs mod",
             "trajectory message pose_file",
             "cell_body cell cell_save",
             "sdformat: frames values shape model include mod",

@@ -220,6 +220,7 @@ mod mjcf;
 mod options;
 mod packages;
 mod pose_file;
+mod qpos;
 mod recorder;
 mod robot;
 mod sdformat;

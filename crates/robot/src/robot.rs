@@ -4,7 +4,6 @@ use lin_canny::nalgebra::Isometry3;
 use lin_canny_plan::{Coordinate, RobotJoint, RobotLink, RobotModel};
 
 use crate::error::{FileErrorKind, Skipped};
-use crate::mjcf::QposJoint;
 use crate::turn::to_roll_pitch_yaw;
 use lin_canny_plan::nearest_name as nearest;
 
@@ -33,6 +32,14 @@ pub struct Robot {
     pub(crate) start: Vec<f64>,
     /// The joints with values in MuJoCo's `qpos`, in its order.
     pub(crate) qpos: Vec<QposJoint>,
+}
+
+/// A joint that has values in MuJoCo's `qpos`.
+#[derive(Clone, Debug)]
+pub(crate) struct QposJoint {
+    pub(crate) name: String,
+    /// The value in `qpos` at which the file draws the joint; of a held joint, where it is held.
+    pub(crate) rest: f64,
 }
 
 impl AsRef<RobotModel> for Robot {

@@ -7,12 +7,11 @@ use lin_canny::nalgebra::{Isometry3, Translation3, Unit, Vector3};
 
 use super::element::Element;
 use super::geom::{Assets, placed};
-use super::pairs::Contacts;
-use super::qpos::QposJoint;
 use super::settings::{Settings, check, euler};
-use super::spec::{Attached, Spec};
+use super::spec::{Attached, Contacts, Spec};
 use crate::error::{FileError, FileErrorKind, Place, Skipped};
 use crate::link_tree::{FileJoint, Follows};
+use crate::robot::QposJoint;
 use crate::turn::{about, direction};
 use crate::xml::{check_excluded, check_name};
 use lin_canny_plan::{MotionKind, RobotLink};

@@ -7,14 +7,12 @@ mod bodies;
 mod element;
 mod geom;
 mod pairs;
-mod qpos;
 mod settings;
 mod spec;
 
 use std::collections::{HashMap, HashSet};
 
 use bodies::Model;
-pub(crate) use qpos::QposJoint;
 use settings::Flags;
 use spec::{ModelFile, Spec};
 

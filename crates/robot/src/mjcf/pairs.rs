@@ -3,46 +3,10 @@
 use std::collections::{HashMap, HashSet};
 
 use super::bodies::Model;
-use super::element::Element;
-use super::settings::check;
 use crate::error::{FileError, FileErrorKind, Place, Skipped};
 use crate::robot::Robot;
 use crate::xml::check_excluded;
 use lin_canny_plan::nearest_name as nearest;
-
-/// The sections `contact`.
-#[derive(Default)]
-pub(super) struct Contacts<'e> {
-    pub(super) excludes: Vec<&'e Element>,
-    pub(super) pairs: Vec<&'e Element>,
-}
-
-impl<'e> Contacts<'e> {
-    pub(super) fn new(sections: &[&'e Element]) -> Result<Self, FileError> {
-        let mut contacts = Self::default();
-        for section in sections {
-            for element in section.below(&["pair", "exclude"], &[])? {
-                if element.name == "pair" {
-                    check(element)?;
-                    contacts.pairs.push(element);
-                } else {
-                    element.check_attributes(&["name", "body1", "body2"])?;
-                    contacts.excludes.push(element);
-                }
-            }
-        }
-        Ok(contacts)
-    }
-
-    /// Returns the names of the geoms of pairs, which are checked even if their bits are zero.
-    pub(super) fn geoms(&self) -> Result<HashSet<&'e str>, FileError> {
-        let names = self
-            .pairs
-            .iter()
-            .flat_map(|pair| ["geom1", "geom2"].map(|end| pair.needed(end)));
-        names.collect()
-    }
-}
 
 /// Sets the adjacent and the excluded pairs of a robot, whose root element is at a place.
 pub(super) fn set(robot: &mut Robot, model: &Model, adjacent: bool, place: &Place) -> Result<(), FileError> {

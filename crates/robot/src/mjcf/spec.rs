@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::element::Element;
 use super::geom::Source;
-use super::pairs::Contacts;
-use super::settings::{Classes, Compiler, Flags};
+use super::settings::{Classes, Compiler, Flags, check};
 use crate::error::{FileError, FileErrorKind, Skipped};
 use crate::options::LoadOptions;
 use crate::xml::Xml;
@@ -120,6 +119,40 @@ impl ModelFile {
 
     pub(super) fn name(&self) -> &str {
         self.root.get("model").unwrap_or("MuJoCo Model")
+    }
+}
+
+/// The sections `contact`.
+#[derive(Default)]
+pub(super) struct Contacts<'e> {
+    pub(super) excludes: Vec<&'e Element>,
+    pub(super) pairs: Vec<&'e Element>,
+}
+
+impl<'e> Contacts<'e> {
+    pub(super) fn new(sections: &[&'e Element]) -> Result<Self, FileError> {
+        let mut contacts = Self::default();
+        for section in sections {
+            for element in section.below(&["pair", "exclude"], &[])? {
+                if element.name == "pair" {
+                    check(element)?;
+                    contacts.pairs.push(element);
+                } else {
+                    element.check_attributes(&["name", "body1", "body2"])?;
+                    contacts.excludes.push(element);
+                }
+            }
+        }
+        Ok(contacts)
+    }
+
+    /// Returns the names of the geoms of pairs, which are checked even if their bits are zero.
+    pub(super) fn geoms(&self) -> Result<HashSet<&'e str>, FileError> {
+        let names = self
+            .pairs
+            .iter()
+            .flat_map(|pair| ["geom1", "geom2"].map(|end| pair.needed(end)));
+        names.collect()
     }
 }
 

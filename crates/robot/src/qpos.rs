@@ -5,16 +5,8 @@ use std::collections::HashMap;
 use lin_canny::nalgebra::Quaternion;
 use lin_canny_plan::{MotionKind, PlanError, RobotJoint};
 
-use crate::robot::Robot;
+use crate::robot::{QposJoint, Robot};
 use crate::turn::{from_xyzw, roll_pitch_yaw, to_roll_pitch_yaw};
-
-/// A joint that has values in `qpos`.
-#[derive(Clone, Debug)]
-pub(crate) struct QposJoint {
-    pub(super) name: String,
-    /// The value in `qpos` at which the file draws the joint; of a held joint, where it is held.
-    pub(super) rest: f64,
-}
 
 impl Robot {
     /// Returns the configuration of MuJoCo's `qpos`, for a robot of an MJCF file.
