@@ -155,14 +155,18 @@ impl Robot {
     /// The configuration of MuJoCo's `qpos`, for a robot of an MJCF file.
     ///
     /// The quaternions of free and ball joints become the angles roll, pitch and yaw.
-    fn from_qpos<'py>(&self, py: Python<'py>, qpos: &Bound<'_, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let found = self.robot.from_qpos(&configuration(qpos)?);
+    fn configuration_of_qpos<'py>(
+        &self,
+        py: Python<'py>,
+        qpos: &Bound<'_, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let found = self.robot.configuration_of_qpos(&configuration(qpos)?);
         Ok(PyArray1::from_vec(py, found.map_err(plan_error)?))
     }
 
-    /// MuJoCo's `qpos` of a configuration, for a robot of an MJCF file: the inverse of `from_qpos`.
-    fn to_qpos<'py>(&self, py: Python<'py>, q: &Bound<'_, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let found = self.robot.to_qpos(&configuration(q)?);
+    /// MuJoCo's `qpos` of a configuration, for a robot of an MJCF file: the inverse of `configuration_of_qpos`.
+    fn qpos_of_configuration<'py>(&self, py: Python<'py>, q: &Bound<'_, PyAny>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let found = self.robot.qpos_of_configuration(&configuration(q)?);
         Ok(PyArray1::from_vec(py, found.map_err(plan_error)?))
     }
 

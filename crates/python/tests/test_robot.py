@@ -205,13 +205,13 @@ def test_configurations_are_converted_from_and_to_qpos(tmp_path):
     robot = lc.Robot.load(path)
     assert robot.coordinates == ["hip/roll", "hip/pitch", "hip/yaw", "knee"]
     half = np.sqrt(0.5)
-    q = robot.from_qpos([half, 0, 0, half, 0.25])
+    q = robot.configuration_of_qpos([half, 0, 0, half, 0.25])
     assert q == pytest.approx([0, 0, np.pi / 2, 0.25])
-    assert robot.to_qpos(q) == pytest.approx([half, 0, 0, half, 0.25])
+    assert robot.qpos_of_configuration(q) == pytest.approx([half, 0, 0, half, 0.25])
     with pytest.raises(lc.LinCannyError, match="number of values of qpos"):
-        robot.from_qpos([1, 0, 0, 0])
+        robot.configuration_of_qpos([1, 0, 0, 0])
     with pytest.raises(lc.LinCannyError, match="length of a quaternion"):
-        robot.from_qpos([0, 0, 0, 0, 0])
+        robot.configuration_of_qpos([0, 0, 0, 0, 0])
 
 
 def test_an_srdf_enables_adjacent_links(robot, tmp_path):

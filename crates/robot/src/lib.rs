@@ -93,7 +93,7 @@
 //!   has the position in the world, and angles as in `rpy`; its limits contain the drawn pose. A
 //!   ball joint has the angles `JOINT/roll`, `JOINT/pitch` and `JOINT/yaw`. Its `range` limits the
 //!   angle of the rotation; the limits of the three angles contain those rotations, and allow more.
-//!   [`Robot::from_qpos`] and [`Robot::to_qpos`] convert whole configurations.
+//!   [`Robot::configuration_of_qpos`] and [`Robot::qpos_of_configuration`] convert whole configurations.
 //! * A joint has limits if `limited` is true, or if it is `auto` and the first number of `range` is
 //!   below the second: `range="0 0"` is no limit. A free joint has none. The flags `limit`,
 //!   `equality` and `constraint` switch limits and equalities off.

@@ -20,7 +20,7 @@ impl Robot {
     ///
     /// let text = "<mujoco><worldbody><body><joint name='j' type='ball'/><geom size='1'/></body></worldbody></mujoco>";
     /// let robot = Robot::parse(text, "ball.xml", &Packages::default(), &LoadOptions::default())?;
-    /// let q = robot.from_qpos(&[0.5f64.sqrt(), 0.0, 0.0, 0.5f64.sqrt()])?; // a quarter turn about z
+    /// let q = robot.configuration_of_qpos(&[0.5f64.sqrt(), 0.0, 0.0, 0.5f64.sqrt()])?; // a quarter turn about z
     /// assert!((q[2] - 0.5 * std::f64::consts::PI).abs() < 1e-12); // the coordinate j/yaw
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -28,7 +28,7 @@ impl Robot {
     /// # Errors
     /// Returns an error if the count is not that of the file, if a number is not finite, or if a
     /// quaternion is zero.
-    pub fn from_qpos(&self, qpos: &[f64]) -> Result<Vec<f64>, PlanError> {
+    pub fn configuration_of_qpos(&self, qpos: &[f64]) -> Result<Vec<f64>, PlanError> {
         let wrong = |what, value| Err(PlanError::Value { what, value });
         let joints = self.joints_of_qpos();
         let count: usize = joints.iter().map(|(_, joint)| width(joint)).sum();
@@ -66,12 +66,12 @@ impl Robot {
 
     /// Returns MuJoCo's `qpos` of a configuration, for a robot of an MJCF file.
     ///
-    /// It is the inverse of [`Robot::from_qpos`]: quaternions have length 1, and joints that follow
+    /// It is the inverse of [`Robot::configuration_of_qpos`]: quaternions have length 1, and joints that follow
     /// another one or are held have the values that the equalities give them.
     ///
     /// # Errors
     /// Returns an error if the count is not that of the coordinates, or if a number is not finite.
-    pub fn to_qpos(&self, configuration: &[f64]) -> Result<Vec<f64>, PlanError> {
+    pub fn qpos_of_configuration(&self, configuration: &[f64]) -> Result<Vec<f64>, PlanError> {
         let wrong = |what, value| Err(PlanError::Value { what, value });
         if configuration.len() != self.coordinates().len() {
             return wrong("number of coordinates", configuration.len() as f64);

@@ -281,9 +281,9 @@ fn compare(file: &str, folder: &str) -> (usize, Vec<String>) {
 /// Compares a configuration with MuJoCo's `qpos`, whose quaternions may have the opposite sign.
 /// `widths` are the counts of the values of each joint.
 fn check_qpos(robot: &Robot, q: &[f64], expected: &[f64], widths: &[f64], name: &str) {
-    let found = robot.to_qpos(q).expect("values of qpos");
+    let found = robot.qpos_of_configuration(q).expect("values of qpos");
     let again = robot
-        .to_qpos(&robot.from_qpos(expected).expect("a configuration"))
+        .qpos_of_configuration(&robot.configuration_of_qpos(expected).expect("a configuration"))
         .expect("values of qpos");
     assert_eq!(found.len(), expected.len(), "{name}");
     let mut first = 0;
