@@ -11,6 +11,8 @@ use crate::turn::{from_xyzw, roll_pitch_yaw, to_roll_pitch_yaw};
 impl Robot {
     /// Returns the configuration of MuJoCo's `qpos`, for a robot of an MJCF file.
     ///
+    /// A robot of another format has no values in `qpos`.
+    ///
     /// The quaternions `w, x, y, z` of free and ball joints may have any length, and become the
     /// angles of `rpy`. Mocap bodies, which have no values in `qpos`, stay where the file draws them.
     /// Values of joints that follow another joint or are held have no effect. Limits are not checked.
