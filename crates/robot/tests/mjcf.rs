@@ -339,7 +339,7 @@ fn faults_are_named_with_line_and_element() {
         (with("<attach body=\"arm\" prefix=\"p\"/>"), 5, "body \"arm\" does not exist"),
         (with("<attach body=\"b\"/>"), 5, "attribute prefix is missing"),
         (with("<attach prefix=\"p\"/>"), 5, "names both a body and a frame, or nothing"),
-        (with("<attach body=\"b\" prefix=\"p\"/>"), 5, "attached inside one another (expected at most 16)"),
+        (with("<attach body=\"b\" prefix=\"p\"/>"), 3, "nested too deep (expected at most 128)"),
         (with("<attach body=\"b\" suffix=\"p\"/>"), 5, "attribute \"suffix\" does not exist"),
         ("<mujoco>\n<asset><model file=\"none.xml\"/></asset></mujoco>".into(), 2, "model file \"none.xml\" is missing"),
         (with("<joint axis=\"0 0 0\"/>"), 5, "length of the axis"),

@@ -61,8 +61,12 @@ const READ: [&str; 10] = [
     "plugin",
 ];
 
-/// Maximum number of models that attach one another.
-const MOST_ATTACHED: usize = 16;
+/// Maximum depth of nested elements, those of attached models counted with those around them: a body
+/// that attaches itself ends there.
+const MOST_NESTED: usize = 128;
+
+/// Maximum number of pairs, excluded pairs and equalities of attached models.
+const MOST_RULES: usize = 1_000_000;
 
 /// Maximum number of elements that copies make, with those that are passed over.
 const MOST_COPIES: usize = 20_000;
@@ -108,6 +112,7 @@ pub(super) struct Model<'e> {
     body_count: usize,
     joint_count: usize,
     copy_count: usize,
+    rule_count: usize,
 }
 
 /// The place of an element.
@@ -124,7 +129,7 @@ struct Scope<'s> {
     /// What attached models put before names, and copies append to names.
     prefix: &'s str,
     suffix: &'s str,
-    /// How many models are attached around the element.
+    /// How many elements are around the element.
     depth: usize,
 }
 
@@ -160,6 +165,7 @@ impl<'e> Model<'e> {
             body_count: 0,
             joint_count: 0,
             copy_count: 0,
+            rule_count: 0,
         })
     }
 
@@ -174,6 +180,7 @@ impl<'e> Model<'e> {
             suffix: "",
             depth: 0,
         };
+        self.attached.push(Attached::default());
         self.all_of(scope)?;
         self.rest();
         let names = self.joints.iter().enumerate();
@@ -203,30 +210,31 @@ impl<'e> Model<'e> {
 
     /// Adds all that the sections `worldbody` of a file hold.
     fn all_of(&mut self, scope: Scope) -> Result<(), FileError> {
-        self.add_part(&scope);
         for section in &self.specs[scope.spec].worlds {
             self.below(section, scope)?;
         }
         Ok(())
     }
 
-    fn add_part(&mut self, scope: &Scope) {
+    /// Lists a part that an element attaches: the rules of its file hold for it, too.
+    fn add_part(&mut self, element: &Element, scope: &Scope) -> Result<(), FileError> {
+        self.rule_count += self.specs[scope.spec].rules();
+        if self.rule_count > MOST_RULES {
+            let why = format!("attached models have too many pairs and equalities (expected at most {MOST_RULES})");
+            return Err(element.error(FileErrorKind::Malformed(why)));
+        }
         self.attached.push(Attached {
             spec: scope.spec,
             prefix: scope.prefix.into(),
             suffix: scope.suffix.into(),
         });
+        Ok(())
     }
 
     /// Adds a body, a frame or the whole world of another model, or of this one.
     fn attach(&mut self, element: &'e Element, scope: Scope) -> Result<(), FileError> {
         element.check_attributes(&["model", "body", "frame", "prefix"])?;
         let wrong = |why: String| element.error(FileErrorKind::Malformed(why));
-        if scope.depth == MOST_ATTACHED {
-            return Err(wrong(format!(
-                "too many models are attached inside one another (expected at most {MOST_ATTACHED})"
-            )));
-        }
         let models = self.specs[scope.spec].models;
         let spec = match element.get("model") {
             None => scope.spec,
@@ -244,11 +252,13 @@ impl<'e> Model<'e> {
             spec,
             class: "main",
             prefix: &prefix,
-            depth: scope.depth + 1,
             ..scope
         };
         let (kind, name) = match (element.get("body"), element.get("frame")) {
-            (None, None) if element.get("model").is_some() => return self.all_of(scope),
+            (None, None) if element.get("model").is_some() => {
+                self.add_part(element, &scope)?;
+                return self.all_of(scope);
+            }
             (Some(name), None) => ("body", name),
             (None, Some(name)) => ("frame", name),
             _ => {
@@ -257,7 +267,7 @@ impl<'e> Model<'e> {
                 ));
             }
         };
-        let found = self.specs[spec].find(kind, name)?;
+        let found = self.specs[spec].parts.get(&(kind, name)).copied();
         let (part, class) = found.ok_or_else(|| {
             element.error(FileErrorKind::Unknown {
                 kind: if kind == "body" { "body" } else { "frame" },
@@ -265,7 +275,7 @@ impl<'e> Model<'e> {
                 near: None,
             })
         })?;
-        self.add_part(&scope);
+        self.add_part(element, &scope)?;
         let scope = Scope { class, ..scope };
         if kind == "body" {
             return self.body(part, scope);
@@ -306,7 +316,15 @@ impl<'e> Model<'e> {
     }
 
     fn below(&mut self, parent: &'e Element, scope: Scope) -> Result<(), FileError> {
-        if !scope.suffix.is_empty() || scope.depth > 0 {
+        let scope = Scope {
+            depth: scope.depth + 1,
+            ..scope
+        };
+        if scope.depth > MOST_NESTED {
+            let why = format!("attached elements are nested too deep (expected at most {MOST_NESTED})");
+            return Err(parent.error(FileErrorKind::Malformed(why)));
+        }
+        if scope.spec > 0 || !scope.prefix.is_empty() || !scope.suffix.is_empty() {
             self.copy_count += 1 + parent.children.len();
             if self.copy_count > MOST_COPIES {
                 let why = format!("copies make too many elements (expected at most {MOST_COPIES})");

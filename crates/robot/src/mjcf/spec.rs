@@ -165,6 +165,7 @@ pub(super) struct Spec<'e> {
     pub(super) paired: HashSet<&'e str>,
     pub(super) equalities: Vec<&'e Element>,
     pub(super) worlds: Vec<&'e Element>,
+    pub(super) parts: Parts<'e>,
     pub(super) assets: Vec<&'e Element>,
     pub(super) models: &'e HashMap<String, usize>,
 }
@@ -180,18 +181,20 @@ impl<'e> Spec<'e> {
             }
         }
         let contacts = Contacts::new(&sections("contact"))?;
+        let (classes, worlds) = (Classes::new(&sections("default"))?, sections("worldbody"));
         Ok(Self {
+            parts: parts(&worlds, &classes)?,
             source: Source {
                 compiler: Compiler::new(&sections("compiler"))?,
                 flags,
                 options,
                 folder: &file.folder,
             },
-            classes: Classes::new(&sections("default"))?,
+            classes,
             paired: contacts.geoms()?,
             contacts,
             equalities: sections("equality"),
-            worlds: sections("worldbody"),
+            worlds,
             assets: sections("asset"),
             models: &file.models,
         })
@@ -207,23 +210,32 @@ impl<'e> Spec<'e> {
         names
     }
 
-    /// Returns a body or frame of the file with a name, and the class of its surroundings.
-    pub(super) fn find(&self, kind: &str, name: &str) -> Result<Option<(&'e Element, &'e str)>, FileError> {
-        let mut open: Vec<(&'e Element, &'e str)> = self.worlds.iter().map(|world| (*world, "main")).collect();
-        while let Some((parent, class)) = open.pop() {
-            for child in parent.children.iter().filter(|c| c.name == "body" || c.name == "frame") {
-                if child.name == kind && child.get("name") == Some(name) {
-                    return Ok(Some((child, class)));
-                }
-                open.push((child, self.classes.below(child, class)?));
-            }
-        }
-        Ok(None)
+    /// Returns how many pairs, excluded pairs and equalities the file has.
+    pub(super) fn rules(&self) -> usize {
+        let equalities = self.equalities.iter().map(|section| section.children.len());
+        self.contacts.pairs.len() + self.contacts.excludes.len() + equalities.sum::<usize>()
     }
 }
 
+/// Bodies and frames by their kind and name, with the class of their surroundings.
+type Parts<'e> = HashMap<(&'e str, &'e str), (&'e Element, &'e str)>;
+
+fn parts<'e>(worlds: &[&'e Element], classes: &Classes) -> Result<Parts<'e>, FileError> {
+    let mut parts = Parts::new();
+    let mut open: Vec<(&Element, &str)> = worlds.iter().map(|world| (*world, "main")).collect();
+    while let Some((parent, class)) = open.pop() {
+        for child in parent.children.iter().filter(|c| c.name == "body" || c.name == "frame") {
+            if let Some(name) = child.get("name") {
+                parts.entry((child.name.as_str(), name)).or_insert((child, class));
+            }
+            open.push((child, classes.below(child, class)?));
+        }
+    }
+    Ok(parts)
+}
+
 /// A part of a file that is in the model: all of the main file, and each attached part.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct Attached {
     /// The number of the file.
     pub(super) spec: usize,
