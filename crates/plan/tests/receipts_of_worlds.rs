@@ -7,7 +7,8 @@ use lin_canny::shape::Core;
 use lin_canny::{Cloud, CloudElement, Compound, Geometry, HalfSpace, Mesh, MeshKind, Piece, Shape};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
-    Cell, Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, RangeOptions, RangeProver, Verdict,
+    Cell, Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, RangeOptions, RangeProver,
+    TimedPoses, Verdict,
 };
 use truth::rng::Rng;
 
@@ -87,8 +88,34 @@ fn body(rng: &mut Rng, size: f64) -> Geometry {
     }
 }
 
-/// A robot of a few links in a world: paddings, margins, excluded pairs, bodies that touch at rest.
-fn world(rng: &mut Rng) -> Checker<JointTree> {
+/// Poses of an obstacle at some of the times from 0 to 3: it shifts, turns, does both or waits from each to the next.
+fn poses(rng: &mut Rng) -> TimedPoses {
+    let mut times = vec![-1.0];
+    let far = rng.range(0.3, 2.0);
+    let mut poses = vec![pose(rng, far)];
+    for time in [0.0, rng.range(0.1, 1.0), 1.0, rng.range(1.1, 2.9), 4.0] {
+        if time == 4.0 || rng.below(2) == 0 {
+            let (last, next) = (poses[poses.len() - 1], pose(rng, far));
+            let shift = if rng.below(3) == 0 {
+                last.translation
+            } else {
+                next.translation
+            };
+            let turn = if rng.below(3) == 0 {
+                last.rotation
+            } else {
+                next.rotation
+            };
+            poses.push(Isometry3::from_parts(shift, turn));
+            times.push(time);
+        }
+    }
+    TimedPoses::new(&times, &poses).expect("timed poses")
+}
+
+/// A robot of a few links in a world: paddings, margins, excluded pairs, bodies that touch at rest, and obstacles that
+/// move if there are times.
+fn world(rng: &mut Rng, has_times: bool) -> Checker<JointTree> {
     let joints = 1 + rng.below(4);
     let joint = |k: usize, rng: &mut Rng| -> Vec<Joint> {
         let origin = Isometry3::translation(if k == 0 { 0.0 } else { 0.8 }, 0.0, 0.0);
@@ -123,6 +150,11 @@ fn world(rng: &mut Rng) -> Checker<JointTree> {
             cell.add_obstacle(format!("part {k}"), body(rng, 0.3), pose(rng, far))
                 .expect("an obstacle");
         }
+        for k in 0..if has_times { 1 + rng.below(2) } else { 0 } {
+            let (body, poses) = (body(rng, 0.2), poses(rng));
+            cell.add_moving_obstacle(format!("cart {k}"), body, poses)
+                .expect("an obstacle");
+        }
         if rng.below(3) == 0 {
             cell.pad("floor", 0.02).expect("a padding");
         }
@@ -136,7 +168,13 @@ fn world(rng: &mut Rng) -> Checker<JointTree> {
         cell.exclude(&format!("link {k}"), &format!("link {}", k + 1))
             .expect("a pair");
     }
-    let tree = JointTree::serial(Isometry3::identity(), chain, on, 5.0).expect("a tree");
+    // Moving obstacles are carried in the frame of the world.
+    let base = if has_times {
+        pose(rng, 0.0)
+    } else {
+        Isometry3::identity()
+    };
+    let tree = JointTree::serial(base, chain, on, 5.0).expect("a tree");
     let mut checker = Checker::new(tree, cell).expect("a world");
     if rng.below(3) == 0 {
         checker.set_start_contact_margin(Some(0.05)).expect("a margin");
@@ -176,12 +214,18 @@ fn has_points(geometry: &Geometry) -> bool {
 
 /// Judges random motions; returns how many are free, free without a pair that moves, blocked with a receipt, blocked
 /// by a body without points, and undecided.
-fn judge(seeds: std::ops::Range<u64>) -> [usize; 5] {
+fn judge(seeds: std::ops::Range<u64>, has_times: bool) -> [usize; 5] {
     let mut counts = [0; 5];
     for seed in seeds {
         let mut rng = Rng::new(seed);
-        let mut checker = world(&mut rng);
-        let motion = motion(&mut rng, checker.space().bounds().len());
+        let mut checker = world(&mut rng, has_times);
+        let mut motion = motion(&mut rng, checker.space().bounds().len());
+        if has_times {
+            let times: Vec<f64> = (0..=motion.pieces())
+                .map(|k| 3.0 * k as f64 / motion.pieces() as f64)
+                .collect();
+            motion = motion.with_times(&times).expect("times");
+        }
         let verdict = checker.certify(&motion).expect("a motion");
         let receipt = Receipt::motion(&mut checker, &motion);
         let receipt = match (&verdict, receipt) {
@@ -230,7 +274,7 @@ fn judge_ranges(seeds: std::ops::Range<u64>) -> [usize; 2] {
     let mut counts = [0; 2];
     for seed in seeds {
         let mut rng = Rng::new(seed);
-        let mut checker = world(&mut rng);
+        let mut checker = world(&mut rng, false);
         let half = rng.range(0.01, 0.15);
         let middle: Vec<f64> = (0..checker.space().bounds().len())
             .map(|_| rng.range(-0.8, 0.8))
@@ -259,17 +303,20 @@ fn ranges_of_random_worlds_have_receipts() {
 
 #[test]
 fn motions_of_random_worlds_have_receipts() {
-    let counts = judge(0..100);
-    println!("free, without a pair, blocked, without points, undecided: {counts:?}");
+    let counts = judge(0..100, false);
+    println!("{COUNTED} {counts:?}");
     // Floors, cylinders, clouds, resting pairs: a writer of polyhedra alone had few of them.
     assert!(counts[0] > 40 && counts[1] > 0 && counts[2] > 5, "{counts:?}");
+    let counts = judge(0..60, true);
+    println!("{COUNTED} {counts:?}");
+    assert!(counts[0] > 20 && counts[2] > 5, "{counts:?}");
 }
+
+const COUNTED: &str = "free, without a pair, blocked, without points, undecided:";
 
 #[test]
 #[ignore = "10,000 worlds take minutes: cargo test -p lin-canny-plan --all-features --test receipts_of_worlds -- --ignored --nocapture"]
 fn many_motions_of_random_worlds_have_receipts() {
-    println!(
-        "free, without a pair, blocked, without points, undecided: {:?}",
-        judge(0..10_000)
-    );
+    println!("{COUNTED} {:?}", judge(0..10_000, false));
+    println!("{COUNTED} {:?}, obstacles that move", judge(0..10_000, true));
 }

@@ -346,6 +346,16 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(())
     }
 
+    /// Returns an error if a moving obstacle has no pose between two times.
+    pub(crate) fn check_poses(&self, times: [f64; 2]) -> Result<(), PlanError> {
+        for (&id, poses) in &self.cell.motions {
+            if let Some(time) = times.into_iter().find(|time| poses.at(*time).is_none()) {
+                return Err(self.no_pose(id, time));
+            }
+        }
+        Ok(())
+    }
+
     /// Returns the configuration space.
     #[must_use]
     pub fn space(&self) -> &C {

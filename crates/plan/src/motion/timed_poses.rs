@@ -14,7 +14,7 @@
 
 use std::vec::Vec;
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
 use crate::error::PlanError;
 use crate::extremes::Extremes;
@@ -185,6 +185,20 @@ impl TimedPoses {
         all.grown(reach + PLACED * (reach + far))
     }
 
+    /// Returns the rotation of the last row at a time or before.
+    pub(crate) fn rotation_before(&self, time: f64) -> UnitQuaternion<f64> {
+        normalize_rotation(&self.poses[self.row(time)]).rotation
+    }
+
+    /// Returns the rotations between two times: for each row that turns the body its time, that of the next, and the
+    /// rotation vector.
+    pub(crate) fn turns(&self, [begin, end]: [f64; 2]) -> Vec<([f64; 2], Vector3<f64>)> {
+        let rows = self.row(begin)..self.motions.len();
+        let all = rows.map(|k| ([self.times[k], self.times[k + 1]], self.motions[k].velocity().angular));
+        all.filter(|(times, turn)| times[0] < end && *turn != Vector3::zeros())
+            .collect()
+    }
+
     /// Returns the motion over the times 0 to 1 of a curve that runs between these times on the
     /// clock, in parts from row to row; `None` if a time has no pose.
     pub(crate) fn parts(&self, [begin, end]: [f64; 2]) -> Option<Vec<PosePart>> {
@@ -312,7 +326,7 @@ impl Motion for PosePart {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Translation3, UnitQuaternion};
+    use nalgebra::Translation3;
     use truth::rng::Rng;
 
     /// Points stay as near to their models as the bounds say: those of the part, and those of the

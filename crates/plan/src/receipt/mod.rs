@@ -91,6 +91,7 @@ mod error;
 mod evidence;
 mod groups;
 mod number;
+mod obstacles;
 mod pair;
 mod range;
 mod scene;

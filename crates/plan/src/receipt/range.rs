@@ -81,8 +81,9 @@ impl Receipt {
             return Err(PlanError::OtherRange(other.pair).into());
         }
         let [low, high] = [0, 1].map(|k| range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
+        checker.cell.check_at_rest()?;
         let segment = checker.segment(&low, &high)?;
-        let mut stated = Stated::new(checker, &segment)?;
+        let mut stated = Stated::new(checker, &segment, None)?;
         let known: BTreeMap<CellPair, &RangeAnswer> = answers.iter().map(|answer| (answer.pair, answer)).collect();
         let excluded = |ignored: &Ignored| ignored.why == EXCLUDED;
         let (others, rigid): (Vec<_>, Vec<_>) = core::mem::take(&mut stated.scene.ignored)

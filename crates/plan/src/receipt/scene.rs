@@ -266,6 +266,12 @@ impl Scene {
         Some(parent)
     }
 
+    /// Adds a joint that is none of the robot's, and returns its link.
+    pub(super) fn add_joint(&mut self, joint: TreeJoint) -> usize {
+        self.joints.push(joint);
+        self.joints.len()
+    }
+
     /// Makes bodies on the base rest if there are no joints.
     pub(super) fn settle(&mut self) {
         if self.joints.is_empty() {

@@ -6,6 +6,7 @@ use nalgebra::Isometry3;
 
 use super::contact::{contact, meeting};
 use super::error::ReceiptError;
+use super::obstacles::Obstacles;
 use super::scene::{Body, Ignored, Scene, SteadyWay, Way};
 use super::{Claim, Leg, Receipt, Wanted, apart};
 use crate::check::certify::{Certified, CertifyOptions, PairProof};
@@ -20,11 +21,13 @@ use lin_canny::Geometry;
 /// The reasons of pairs that are not looked at.
 pub(super) const EXCLUDED: &str = "excluded";
 const RIGID: &str = "the bodies keep their relative pose";
+const TWO_OBSTACLES: &str = "the bodies are obstacles";
 const LEAVING: &str = "in contact at the start, which was accepted";
 
 /// The bodies of a cell in a receipt.
-pub(super) struct Stated {
+pub(super) struct Stated<'a> {
     pub(super) scene: Scene,
+    obstacles: Obstacles<'a>,
     ids: Vec<CellBody>,
     /// The pairs that must have evidence, and what they must keep.
     pub(super) pairs: Vec<([usize; 2], f64)>,
@@ -38,6 +41,10 @@ impl Receipt {
     /// It states the scene once, and has a leg for each piece: the ends of a segment, or the control
     /// points of a curve ([`JointCurve::control_point`](crate::JointCurve::control_point)). If a curve
     /// was given in another form, its control points are rounded, and the receipt is about them.
+    ///
+    /// Among moving obstacles it has more legs: a piece is cut at the times of the poses of every obstacle
+    /// ([`Cell::add_moving_obstacle`](crate::Cell::add_moving_obstacle)). Cuts and poses are rounded, too.
+    /// If a motion that is cut is blocked, the receipt states the leg with the contact, and the contact alone.
     ///
     /// Along a blocked motion, all pairs have evidence until `free_until` of the
     /// [`Verdict::Blocked`], or until an earlier time if the evidence is within rounding there. Four
@@ -81,7 +88,7 @@ impl Receipt {
     /// # Errors
     /// Returns an error if the verdict is undecided; if a motion of several pieces is blocked
     /// ([`ReceiptError::Blocked`]); if it has several pieces in a space of a rigid body, where each
-    /// piece needs a separate receipt; if an obstacle moves; if a body or the motion has no receipt
+    /// piece needs a separate receipt; if a body or the motion has no receipt
     /// ([module](crate::receipt)); or if a pair has no evidence that a checker would accept, for
     /// example because no plane separates it by more than rounding. A pair whose contact at the start was accepted
     /// is listed as not looked at.
@@ -125,7 +132,7 @@ impl Receipt {
         checker: &Checker<C>,
         motion: &JointMotion,
         found: &Certified,
-        stated: &Stated,
+        stated: &Stated<'_>,
         until: f64,
         blocked: Option<([f64; 2], CellPair)>,
     ) -> Result<Self, ReceiptError> {
@@ -135,15 +142,18 @@ impl Receipt {
         if is_at_start && blocked.is_none() {
             return Err(ReceiptError::Nothing);
         }
-        stated.check_legs(motion.pieces())?;
+        let pieces = stated.legs(motion);
+        stated.check_legs(pieces.len())?;
+        // Of a motion that is cut, only the leg with the contact is stated.
+        let is_at_start = is_at_start || (blocked.is_some() && pieces.len() > 1);
         let mut legs = Vec::new();
-        for k in 0..motion.pieces() {
-            let mut leg = Leg {
-                rows: stated.scene.is_driven().then(|| motion.control_points(k)),
-                evidence: Vec::new(),
-            };
+        for (k, [start, end], mut leg) in pieces {
             let mut line = None;
             if let Some((bracket, pair)) = blocked {
+                if bracket[1] > end {
+                    continue;
+                }
+                let bracket = bracket.map(|time| ((time - start) / (end - start)).larger(0.0));
                 let numbers = stated.numbers(pair);
                 let kept = checker.cell.required_distance(pair).distance;
                 let moves = numbers.iter().any(|k| stated.scene.moves(*k));
@@ -154,11 +164,16 @@ impl Receipt {
                 });
             }
             if !is_at_start {
-                let proofs = found.proofs.get(k).map_or(&[][..], Vec::as_slice);
+                // Certificates have the times of the whole piece.
+                let proofs = found.proofs.get(k).filter(|_| [start, end] == [0.0, 1.0]);
+                let proofs = proofs.map_or(&[][..], Vec::as_slice);
                 leg.evidence = stated.evidence(leg.rows(), until, proofs)?;
             }
             leg.evidence.extend(line);
             legs.push(leg);
+            if blocked.is_some() {
+                break;
+            }
         }
         let span = [0.0, until];
         Ok(Self {
@@ -180,19 +195,13 @@ impl Receipt {
     /// Returns an error as [`certified`](Self::certified) does, but for verdicts.
     pub fn scene<C: ConfigurationSpace>(checker: &Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
         let stated = Stated::of_motion(checker, motion)?;
-        stated.check_legs(motion.pieces())?;
-        let legs = match stated.scene.is_driven() {
-            true => motion.pieces(),
-            false => 0,
-        };
-        let leg = |k: usize| Leg {
-            rows: Some(motion.control_points(k)),
-            evidence: Vec::new(),
-        };
+        let legs = stated.legs(motion);
+        stated.check_legs(legs.len())?;
+        let legs = legs.into_iter().map(|(_, _, leg)| leg);
         Ok(Self {
             claim: Claim::Scene,
             files: Vec::new(),
-            legs: (0..legs).map(leg).collect(),
+            legs: legs.filter(|leg| leg.rows.is_some()).collect(),
             scene: stated.scene,
         })
     }
@@ -204,9 +213,16 @@ impl Leg {
     }
 }
 
-impl Stated {
-    pub(super) fn new<C: ConfigurationSpace>(checker: &Checker<C>, segment: &C::Segment) -> Result<Self, ReceiptError> {
+impl<'a> Stated<'a> {
+    /// Returns the bodies along a segment, or along a whole motion between two times on the clock, whose
+    /// configurations have so many coordinates.
+    pub(super) fn new<C: ConfigurationSpace>(
+        checker: &'a Checker<C>,
+        segment: &C::Segment,
+        clock: Option<([f64; 2], usize)>,
+    ) -> Result<Self, ReceiptError> {
         let cell = &checker.cell;
+        let mut obstacles = Obstacles::default();
         let (mut scene, mut ids) = (Scene::default(), Vec::new());
         let identity = Isometry3::identity();
         for (k, (name, geometry)) in cell.robot_bodies().enumerate() {
@@ -223,12 +239,18 @@ impl Stated {
             let Some((name, geometry, pose)) = obstacle else {
                 continue;
             };
-            scene.bodies.push(Body::new(name, geometry, Way::Rests(*pose))?);
-            ids.push(CellBody::Obstacle(k));
+            let id = CellBody::Obstacle(k);
+            let way = match (cell.motions.get(&id), clock) {
+                (Some(poses), Some((ends, robot))) => obstacles.carry(&mut scene, poses, ends, robot),
+                _ => Way::Rests(*pose),
+            };
+            scene.bodies.push(Body::new(name, geometry, way)?);
+            ids.push(id);
         }
         scene.settle();
         let mut stated = Self {
             scene,
+            obstacles,
             ids,
             pairs: Vec::new(),
             margin: cell.margin(),
@@ -238,13 +260,42 @@ impl Stated {
     }
 
     /// Returns the bodies of a motion.
-    fn of_motion<C: ConfigurationSpace>(checker: &Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
+    fn of_motion<C: ConfigurationSpace>(checker: &'a Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
         if motion.tube != Tube::None {
             return Err(ReceiptError::Tube);
         }
-        checker.cell.check_at_rest()?;
+        let ends = motion.times(0).zip(motion.times(motion.pieces() - 1));
+        let clock = ends.map(|([begin, _], [_, end])| [begin, end]);
+        match clock {
+            Some(ends) => checker.check_poses(ends)?,
+            None => checker.cell.check_at_rest()?,
+        }
         let first = checker.moved(motion, 0)?;
-        Self::new(checker, &first)
+        Self::new(
+            checker,
+            &first,
+            clock.map(|ends| (ends, motion.control_points(0)[0].len())),
+        )
+    }
+
+    /// Returns the legs of all pieces of a motion, each with the number of its piece and the part of the piece's time.
+    fn legs(&self, motion: &JointMotion) -> Vec<(usize, [f64; 2], Leg)> {
+        let mut all = Vec::new();
+        for piece in 0..motion.pieces() {
+            let legs = self.obstacles.legs(motion, piece);
+            all.extend(legs.into_iter().map(|(part, rows)| {
+                let rows = self.scene.is_driven().then_some(rows);
+                (
+                    piece,
+                    part,
+                    Leg {
+                        rows,
+                        evidence: Vec::new(),
+                    },
+                )
+            }));
+        }
+        all
     }
 
     /// Refuses several legs of bodies whose motion is stated once, as that along the first.
@@ -268,7 +319,12 @@ impl Stated {
         let moves: Vec<bool> = (0..self.ids.len()).map(|k| self.scene.moves(k)).collect();
         for a in 0..self.ids.len() {
             for b in a + 1..self.ids.len() {
-                let Some(pair) = CellPair::new(self.ids[a], self.ids[b]).filter(|_| moves[a] || moves[b]) else {
+                if !(moves[a] || moves[b]) {
+                    continue;
+                }
+                let Some(pair) = CellPair::new(self.ids[a], self.ids[b]) else {
+                    let why = TWO_OBSTACLES.into();
+                    self.scene.ignored.push(Ignored { pair: [a, b], why });
                     continue;
                 };
                 if let Some(kept) = measured.get(&pair) {
