@@ -407,8 +407,8 @@ def root_of(square):
 class Body:
     def __init__(self, line, scene):
         self.half = half_space(line["half"]) if "half" in line else None
-        flat = ("half",) if self.half else ("points", "parts", "faces", "ellipsoids", "radius", "radii", "steady")
-        only(line, "body", "name", "at", "link", *flat)
+        flat = ("half",) if self.half else ("points", "parts", "faces", "ellipsoids", "radius", "radii", "larger")
+        only(line, "body", "name", "at", "link", "steady", *flat)
         count = len(scene.bodies)
         need(count < 4096 and whole(line["body"]) == count, f"body {count} is expected")
         self.at = pose_of(line["at"]) if "at" in line else None
@@ -425,7 +425,6 @@ class Body:
             self.steady = {k: numbers(get(line["steady"], k), 3) for k in ("pivot", "linear", "angular", "push")}
             self.pivot, self.moves = self.steady["pivot"], True
         need(self.at, "a body moves in one way: at, link, link and at, or at and steady")
-        need(not (self.half and self.moves), "a half-space moves")
         points = [["0x0p0"] * 3] if self.half else array(get(line, "points"))
         need(0 < len(points) <= 1 << 18, "number of points")
         self.points, self.solid = [numbers(p, 3) for p in points], "faces" in line
@@ -438,6 +437,8 @@ class Body:
         need("radii" not in line or 0 < len(self.radii) == len(self.parts), "a radius for each part is expected")
         self.radius = max(self.radii) if self.radii else number(line["radius"]) if "radius" in line else Q(0)
         need(min([self.radius, *self.radii]) >= 0, "a negative radius")
+        self.larger = number(line["larger"]) if "larger" in line else None
+        need(self.larger is None or self.larger >= 0, "larger is negative")
         self.name = text(get(line, "name"))
 
     def lists(self, value):
@@ -734,37 +735,57 @@ def no_half_space(scene, pair):
 
 
 def floor_of(scene, pair, in_base):
-    """Which of a pair is a half-space, the normal from A to B, and its height along the normal (lemma 14), or None."""
+    """Which of a pair is a half-space, the normal from A to B, its height along the normal (lemma 14), and the body
+    if it moves, in whose frame both are then; or None."""
     sides = [side for side, k in enumerate(pair) if scene.bodies[k].half]
     if not sides:
         return None
     prove(len(sides) == 1, f"{scene.names(pair)}: two half-spaces")
-    placed, (normal, end) = scene.placed(pair[sides[0]]), scene.bodies[pair[sides[0]]].half
-    rows, shift = placed.rows, placed.shift
-    if in_base and scene.base:
-        back, off = inverse(scene.base)
-        shift = [dot(row, shift) + s for row, s in zip(back, off)]
-        rows = [rows_times(row, rows) for row in back]
-    normal = [dot(row, normal) for row in rows]
-    height = end + dot(normal, shift)
-    return (0, normal, height) if sides[0] == 0 else (1, [-x for x in normal], -height)
+    body = scene.bodies[pair[sides[0]]]
+    moving, (normal, height) = body if body.moves and not in_base else None, body.half
+    if not moving:
+        placed = scene.placed(pair[sides[0]])
+        rows, shift = placed.rows, placed.shift
+        if in_base and scene.base:
+            back, off = inverse(scene.base)
+            shift = [dot(row, shift) + s for row, s in zip(back, off)]
+            rows = [rows_times(row, rows) for row in back]
+        normal = [dot(row, normal) for row in rows]
+        height += dot(normal, shift)
+    return (0, normal, height, moving) if sides[0] == 0 else (1, [-x for x in normal], -height, moving)
+
+
+def floor_direction(scene, floor, span):
+    """The normal in the world, and the origin of a half-space that moves."""
+    _, normal, _, moving = floor
+    if not moving:
+        return fixed_all(normal), None
+    foot = scene.point(moving, fixed_all([Q(0)] * 3), span)
+    return minus(scene.point(moving, fixed_all(normal), span), foot), foot
+
+
+def floor_heights(scene, floor, n, span):
+    """Bernstein coefficients of the height along the normal, rounded away from the half-space, in units of 2^-2P / W."""
+    height = floor_height(floor, scene.unit) * W
+    feet = scene.heights(floor[3], None, n, span)[1 - floor[0]] if floor[3] else [0] * (D + 1)
+    return [height + foot for foot in feet]
 
 
 def floor_height(floor, unit):
     """The height of a half-space, rounded away from it, in units of 2^-2P."""
-    side, _, height = floor
+    side, _, height, _ = floor
     return above(height * unit) << P if side == 0 else -(above(-height * unit) << P)
 
 
 def by_plane(scene, pair, span, kept, normal, spin, some=(None, None), floor=None):
     """Lemma 3, for some vertices of both bodies or for all."""
-    n = fixed_all(normal)
+    n = floor_direction(scene, floor, span)[0] if floor else fixed_all(normal)
     if spin and span[0] != span[1]:
         n = Turn(spin, [Q(0), span[1] - span[0]]).point(n, (Q(0), Q(1)))
 
     def heights(side):
         if floor and floor[0] == side:
-            return [[floor_height(floor, scene.unit) * W] * (D + 1)] * 2
+            return [floor_heights(scene, floor, n, span)] * 2
         return scene.heights(scene.bodies[pair[side]], some[side], n, span)
 
     (_, high), (low, _) = heights(0), heights(1)
@@ -1037,12 +1058,14 @@ def meet(scene, line):
 
 def near_floor(scene, moment, floor, mean, reach):
     """A point of the body of a pair that is no half-space is at most `reach` above the half-space."""
-    side, normal, height = floor
+    side, normal, height, _ = floor
     if moment.time is None:
         along = dot(normal, moment.placed()[1 - side].point(mean))
     else:
         body = scene.bodies[moment.pair[1 - side]]
-        height_of = dot(scene.point(body, fixed_all([c * scene.unit for c in mean]), moment.span), fixed_all(normal))
+        point = scene.point(body, fixed_all([c * scene.unit for c in mean]), moment.span)
+        direction, foot = floor_direction(scene, floor, moment.span)
+        height_of = dot(minus(point, foot) if foot else point, direction)
         along = Q(height_of.c[0] + (height_of.r if side == 0 else -height_of.r), ONE) / scene.unit
     return at_most(along - height if side == 0 else height - along, reach, dot(normal, normal))
 
@@ -1471,7 +1494,10 @@ class Check:
             inside = "whether one is inside the other; their surfaces stay apart"
             unseen = [*self.grouped(sorted(scene.ignored.items()))]
             unseen += self.grouped((pair, inside) for pair in sorted(self.cut - self.hulls_apart))
+            told = ((body.name, body.larger) for body in scene.bodies if body.larger is not None)
+            says = "not looked at: how much larger {} is than the body it stands for; by at most {}, it says"
             yield from (f"not looked at: {x}" for x in unseen)
+            yield from (says.format(name, shown(larger)) for name, larger in told)
             count = len(scene.bodies)
             pairs = ((a, b) for a in range(count) for b in range(a + 1, count))
             resting = sum(not scene.moving(x) and x not in scene.ignored for x in pairs)

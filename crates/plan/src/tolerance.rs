@@ -150,6 +150,11 @@ pub(crate) const HALF_TURN: f64 = 16.0 * UNIT;
 /// expects a yes.
 pub(crate) const RECEIPT: f64 = 8192.0 * UNIT;
 
+/// By how far the patches that a receipt contains are off, as a part of the farthest point: 40 halvings of up to seven
+/// steps, of 2 UNIT each (`NET_STEP` of the library), control points and thickness some more.
+#[cfg(feature = "surfaces")]
+pub(crate) const CONTAINED: f64 = 1024.0 * UNIT;
+
 /// Least weight of a vertex of a feature, and least sine between two edges, for which a receipt
 /// names features instead of a normal. Not a matter of soundness. Not measured.
 pub(crate) const INSIDE: f64 = POSE_UNIT;

@@ -50,13 +50,39 @@ fn shape(rng: &mut Rng, size: f64) -> Shape {
     shape.expect("a shape")
 }
 
+/// A patch, polynomial or rational, flat, bent or folded.
+#[cfg(feature = "surfaces")]
+fn surface(rng: &mut Rng, size: f64) -> lin_canny::surface::BezierSurface {
+    use lin_canny::surface::{BezierPatch, BezierSurface};
+    let degrees = [1 + rng.below(3), 1 + rng.below(3)];
+    let count = (degrees[0] + 1) * (degrees[1] + 1);
+    let thick = [0.0, 0.3, 1.0][rng.below(3)];
+    let point = |k: usize, rng: &mut Rng| {
+        let part = |i: usize, n: usize| (2.0 * i as f64 / n as f64 - 1.0) * (1.0 - 0.5 * thick);
+        let (u, v) = (k / (degrees[1] + 1), k % (degrees[1] + 1));
+        let at = Vector3::new(part(u, degrees[0]), part(v, degrees[1]), 0.0);
+        Point3::from(size * (at + thick * Vector3::from_fn(|_, _| rng.range(-0.5, 0.5))))
+    };
+    let points: Vec<Point3<f64>> = (0..count).map(|k| point(k, rng)).collect();
+    let patch = match rng.below(2) {
+        0 => BezierPatch::polynomial(degrees, &points),
+        _ => {
+            let weights: Vec<f64> = (0..count).map(|_| rng.range(0.3, 2.0)).collect();
+            BezierPatch::rational(degrees, &points, &weights)
+        }
+    };
+    BezierSurface::new(vec![patch.expect("a patch")]).expect("a surface")
+}
+
 /// A body of any kind that has a receipt and an end.
 fn body(rng: &mut Rng, size: f64) -> Geometry {
     let points = |rng: &mut Rng, count: usize| -> Vec<Point3<f64>> {
         let point = |_| Point3::from(Vector3::from_fn(|_, _| rng.range(-size, size)));
         (0..count).map(point).collect()
     };
-    match rng.below(10) {
+    match rng.below(11) {
+        #[cfg(feature = "surfaces")]
+        10 => surface(rng, size).into(),
         0 => {
             let pieces = (0..2).map(|_| Piece {
                 pose: pose(rng, 0.5 * size),
@@ -151,7 +177,9 @@ fn world(rng: &mut Rng, has_times: bool) -> Checker<JointTree> {
                 .expect("an obstacle");
         }
         for k in 0..if has_times { 1 + rng.below(2) } else { 0 } {
-            let (body, poses) = (body(rng, 0.2), poses(rng));
+            let wall = HalfSpace::new(direction(rng), rng.range(-4.0, -0.5)).expect("a plane");
+            let body = if rng.below(4) == 0 { wall.into() } else { body(rng, 0.2) };
+            let poses = poses(rng);
             cell.add_moving_obstacle(format!("cart {k}"), body, poses)
                 .expect("an obstacle");
         }

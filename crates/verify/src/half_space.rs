@@ -3,6 +3,10 @@
 //! **Lemma 14.** A half-space {x : n . x <= e} that rests at x -> R x + p is {x : (R n) . x <= e + (R n) . p} in the
 //! world. Along R n no point of it is higher than e + (R n) . p, so lemmas 3 and 9 hold with R n as the normal and
 //! this one height. The normal is that of the half-space, in fractions: any other plane meets the half-space.
+//!
+//! One that moves is this at each time t, with n(t) = R(t) n and p(t). Rotations keep the length of n. So n(t) is the
+//! difference of two points of the body, n and 0, and e more than the height of the point 0 along n(t) is the height:
+//! forms of lemma 0.
 
 use dashu_ratio::RBig;
 
@@ -10,8 +14,10 @@ use crate::Stop;
 use crate::ellipsoid::above;
 use crate::int::Int;
 use crate::json::Json;
+use crate::motion::{Span, Stage};
 use crate::real::{Exact, Real, dot};
 use crate::scene::Scene;
+use crate::vectors::{Vector, fixed3, minus};
 
 /// The points below a plane, in the frame of the body.
 #[derive(Debug)]
@@ -39,6 +45,8 @@ pub(crate) struct Floor {
     pub(crate) side: usize,
     pub(crate) normal: Exact,
     height: RBig,
+    /// The half-space if it moves; then normal and height are in its frame.
+    moving: Option<usize>,
 }
 
 impl Floor {
@@ -54,21 +62,58 @@ impl Floor {
         if scene.bodies[bodies[1 - side]].half.is_some() {
             return Stop::fails(format!("{}: two half-spaces", scene.names(pair)));
         }
-        let mut pose = scene.placed(bodies[side])?.pose;
-        if let Some(base) = scene.base.as_ref().filter(|_| in_base) {
-            pose = base.inverse().then(&pose);
+        let moving = Some(bodies[side]).filter(|k| scene.bodies[*k].moves && !in_base);
+        let (mut normal, mut height) = (half.normal.map(Real::exact), half.end.exact());
+        if moving.is_none() {
+            let mut pose = scene.placed(bodies[side])?.pose;
+            if let Some(base) = scene.base.as_ref().filter(|_| in_base) {
+                pose = base.inverse().then(&pose);
+            }
+            normal = std::array::from_fn(|k| dot(&pose.rows[k], &normal));
+            height += dot(&normal, &pose.shift);
         }
-        let normal = half.normal.map(Real::exact);
-        let normal: Exact = std::array::from_fn(|k| dot(&pose.rows[k], &normal));
-        let height = half.end.exact() + dot(&normal, &pose.shift);
-        Ok(Some(match side {
-            0 => Self { side, normal, height },
-            _ => Self {
-                side,
-                normal: normal.map(|x| -x),
-                height: -height,
-            },
+        if side == 1 {
+            (normal, height) = (normal.map(|x| -x), -height);
+        }
+        Ok(Some(Self {
+            side,
+            normal,
+            height,
+            moving,
         }))
+    }
+
+    /// Encloses the normal in the world over an interval.
+    pub(crate) fn direction<I: Int>(&self, scene: &Scene, stage: &Stage<I>, span: &Span) -> Option<Vector<I>> {
+        let n = fixed3(&self.normal)?;
+        match self.foot(scene, stage, span) {
+            Some(foot) => minus(&stage.point(scene, self.moving?, &n, span)?, &foot?),
+            None => Some(n),
+        }
+    }
+
+    /// Encloses the origin of a half-space that moves, from which its height counts.
+    pub(crate) fn foot<I: Int>(&self, scene: &Scene, stage: &Stage<I>, span: &Span) -> Option<Option<Vector<I>>> {
+        let zero = fixed3(&crate::real::zero());
+        self.moving.map(|body| stage.point(scene, body, &zero?, span))
+    }
+
+    /// Returns Bernstein coefficients of the height along the normal, rounded away from the half-space, in units of
+    /// 2^-2P / W.
+    pub(crate) fn heights<I: Int>(
+        &self,
+        scene: &Scene,
+        stage: &Stage<I>,
+        n: &Vector<I>,
+        span: &Span,
+    ) -> Option<Vec<I>> {
+        let height = self.height::<I>(&stage.unit)?.mul(&I::small(I::W))?;
+        let Some(body) = self.moving else {
+            return Some(vec![height; I::D + 1]);
+        };
+        let both = stage.heights(scene, body, None, n, span)?;
+        // As a bound from above if it is A, from below if it is B.
+        both[1 - self.side].iter().map(|foot| foot.add(&height)).collect()
     }
 
     /// Returns how far the half-space is from a point of the other body with this height, times the length of the

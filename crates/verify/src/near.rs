@@ -96,7 +96,11 @@ impl Claim for Near {
         };
         if let Some(floor) = &self.floor {
             let point = end([a, b][1 - floor.side], &self.on[1 - floor.side])?;
-            let along = dot(&point, &fixed3(&floor.normal)?)?;
+            let from_foot = match floor.foot(scene, stage, &span) {
+                Some(foot) => minus(&point, &foot?)?,
+                None => point,
+            };
+            let along = dot(&from_foot, &floor.direction(scene, stage, &span)?)?;
             let most = match floor.side {
                 0 => along.c[0].add(&along.r)?,
                 _ => along.c[0].sub(&along.r)?,

@@ -34,7 +34,10 @@ pub(crate) struct Plane {
 
 impl Claim for Plane {
     fn holds<I: Int>(&self, scene: &Scene, stage: &Stage<I>) -> Option<bool> {
-        let mut n = fixed3(&self.normal)?;
+        let mut n = match &self.floor {
+            Some(floor) => floor.direction(scene, stage, &self.span)?,
+            None => fixed3(&self.normal)?,
+        };
         let length = self.span.length();
         if let Some(spin) = self.spin.as_ref().filter(|_| !length.is_zero()) {
             // Over [0, 1] the angle grows from 0 to the length of the interval.
@@ -46,8 +49,8 @@ impl Claim for Plane {
         }
         let heights = |side: usize| match &self.floor {
             Some(floor) if floor.side == side => {
-                let height = floor.height::<I>(&stage.unit)?.mul(&I::small(I::W))?;
-                Some([vec![height.clone(); I::D + 1], vec![height; I::D + 1]])
+                let heights = floor.heights(scene, stage, &n, &self.span)?;
+                Some([heights.clone(), heights])
             }
             _ => {
                 let body = [self.pair.0, self.pair.1][side];

@@ -66,6 +66,11 @@ pub(super) fn meeting(
     if [first, second].iter().any(|body| !body.ellipsoids.is_empty()) {
         return Err(refused("a curved body proves no contact"));
     }
+    if first.larger > 0.0 || second.larger > 0.0 {
+        return Err(refused(
+            "a surface, which is stated larger than it is, proves no contact",
+        ));
+    }
     if first.half.is_some() && second.half.is_some() {
         return Err(refused("two half-spaces prove no contact"));
     }

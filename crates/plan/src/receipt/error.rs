@@ -9,7 +9,7 @@ use lin_canny::impact::ImpactError;
 #[non_exhaustive]
 pub enum ReceiptError {
     /// Returned if a body has no form in a receipt.
-    #[error("body {name:?} has no receipt: it is a {kind} (a surface, or a half-space that moves)")]
+    #[error("body {name:?} has no receipt: it is a {kind}")]
     Body {
         /// Name of the body.
         name: String,

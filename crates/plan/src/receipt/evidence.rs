@@ -100,9 +100,9 @@ pub(super) struct PairJudge<'a> {
 impl PairJudge<'_> {
     /// Returns the evidence of the pair for an interval, given the library's certificates of it.
     pub(super) fn evidence(&self, span: [f64; 2], certificates: &[Certificate]) -> Result<Evidence, Missing> {
-        if let Some(normal) = self.floor_normal() {
+        if self.has_floor() {
             let mut pieces = Vec::new();
-            let found = self.above_floor(&normal, span, HALVINGS, &mut pieces);
+            let found = self.above_floor(span, HALVINGS, &mut pieces);
             // A plane of the whole body keeps the greatest radius from all its points.
             let has_radii = [self.a, self.b].iter().any(|mover| !mover.body.radii.is_empty());
             return match found {
@@ -152,21 +152,25 @@ impl PairJudge<'_> {
         Ok(Evidence::Pieces(pieces))
     }
 
-    /// Returns the normal of a half-space at rest, from A to B in the world, if the pair has one.
-    fn floor_normal(&self) -> Option<Vector3<f64>> {
-        let of = |mover: &Mover<'_>| Some(pose(&mover.steps, 0.0).rotation * mover.body.half?.0);
-        of(self.a).or_else(|| of(self.b).map(|normal| -normal))
+    /// Returns the normal of a half-space of the pair, from A to B in the world, over an interval and at its start.
+    fn floor(&self, from: f64, span: f64) -> Option<(Moving, Vector3<f64>)> {
+        let of = |mover: &Mover<'_>, sign: f64| {
+            let normal = mover.body.half?.0 * sign;
+            let [tip, foot] = [normal, Vector3::zeros()].map(|point| place(&mover.steps, &point, from, span));
+            let direction = core::array::from_fn(|k| tip[k].minus(&foot[k]));
+            Some((direction, pose(&mover.steps, from).rotation * normal))
+        };
+        of(self.a, 1.0).or_else(|| of(self.b, -1.0))
+    }
+
+    fn has_floor(&self) -> bool {
+        self.a.body.half.is_some() || self.b.body.half.is_some()
     }
 
     /// Appends planes of a half-space, halved until the bound is tight enough.
-    fn above_floor(
-        &self,
-        normal: &Vector3<f64>,
-        [from, until]: [f64; 2],
-        left: u32,
-        pieces: &mut Vec<Piece>,
-    ) -> Result<(), Missing> {
-        if self.by_plane(None, normal, &Vector3::zeros(), [from, until], self.kept(self.keep)) {
+    fn above_floor(&self, [from, until]: [f64; 2], left: u32, pieces: &mut Vec<Piece>) -> Result<(), Missing> {
+        let none = Vector3::zeros();
+        if self.by_plane(None, &none, &none, [from, until], self.kept(self.keep)) {
             pieces.push(Piece::new([from, until], Proof::Own));
             return Ok(());
         }
@@ -175,8 +179,8 @@ impl PairJudge<'_> {
             let why = "the half-space is not below by more than rounding";
             return Err(Missing { from, until, why });
         }
-        self.above_floor(normal, [from, middle], left - 1, pieces)?;
-        self.above_floor(normal, [middle, until], left - 1, pieces)
+        self.above_floor([from, middle], left - 1, pieces)?;
+        self.above_floor([middle, until], left - 1, pieces)
     }
 
     /// Appends evidence for a piece, halved if it is too long for the bounds of a checker.
@@ -224,7 +228,7 @@ impl PairJudge<'_> {
 
     /// Returns the direction between two groups of parts at a time.
     pub(super) fn between(&self, groups: [&Group; 2], time: f64) -> Option<Vector3<f64>> {
-        if let Some(normal) = self.floor_normal() {
+        if let Some((_, normal)) = self.floor(time, 0.0) {
             return Some(normal);
         }
         let [x, y] = [self.a, self.b].map(|mover| pose(&mover.steps, time));
@@ -267,7 +271,7 @@ impl PairJudge<'_> {
         if !holds(&normal, &spin) {
             return None;
         }
-        if self.floor_normal().is_some() {
+        if self.has_floor() {
             return Some(Proof::Own);
         }
         for bits in BITS {
@@ -279,7 +283,7 @@ impl PairJudge<'_> {
         Some(Proof::Plane { normal, spin })
     }
 
-    /// Returns whether a plane separates the bodies, as a checker sees it.
+    /// Returns whether a plane separates the bodies, as a checker sees it: that of the half-space if one is.
     fn by_plane(
         &self,
         groups: Option<[&Group; 2]>,
@@ -293,8 +297,10 @@ impl PairJudge<'_> {
             None => [self.a, self.b].map(|mover| (&mover.points, &mover.body.ellipsoids)),
         };
         let span = until - from;
-        let mut direction = constant(normal);
-        if *spin != Vector3::zeros() {
+        let (mut direction, mut length) = (constant(normal), normal.norm());
+        if let Some((turning, normal)) = self.floor(from, span) {
+            (direction, length) = (turning, normal.norm());
+        } else if *spin != Vector3::zeros() {
             let turn = Step::Turn {
                 axis: *spin,
                 angle: vec![0.0, 1.0],
@@ -302,12 +308,11 @@ impl PairJudge<'_> {
             direction = place(&[turn], normal, 0.0, span);
         }
         let [high, low] = [(self.a, a, 1.0), (self.b, b, -1.0)].map(|(mover, (points, ellipsoids), sign)| {
-            if let Some((_, offset)) = mover.body.half {
-                let at = pose(&mover.steps, from).translation.vector;
-                // The normal is that of the half-space, towards the other body.
-                return [offset + sign * normal.dot(&at); TERMS];
-            }
             let (m, o) = heights(&mover.steps, &direction, from, span);
+            if let Some((_, offset)) = mover.body.half {
+                // The normal is that of the half-space, towards the other body.
+                return o.net().map(|height| offset + sign * height + o.rest);
+            }
             let (nets, base) = (m.each_ref().map(|part| part.net()), o.net());
             let off = o.rest + (0..3).map(|k| m[k].rest * mover.most[k]).sum::<f64>();
             let wide: Vec<_> = ellipsoids.iter().map(|of| (of.at, half_heights(of, &m))).collect();
@@ -318,7 +323,6 @@ impl PairJudge<'_> {
                 highest.fold(f64::NEG_INFINITY, f64::larger) + sign * base[k] + off
             })
         });
-        let length = normal.norm();
         let enough = (kept + RECEIPT * self.size) * length;
         high.iter().zip(low).all(|(high, low)| -low - high > enough)
     }

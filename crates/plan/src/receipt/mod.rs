@@ -50,12 +50,12 @@
 //!
 //! # What has no receipt
 //!
-//! * Bézier surfaces, and half-spaces that move.
 //! * Depths, and distances from half-spaces.
-//! * Contacts and distances of cylinders, cones, ellipsoids and compounds with such a piece: no points of
-//!   their surfaces are stated.
+//! * Contacts and distances of cylinders, cones, ellipsoids, compounds with such a piece and Bézier surfaces: no
+//!   points of their surfaces are stated.
+//! * Ranges of joint values in which a half-space moves.
 //! * A mesh that holds another body inside, without contact of their surfaces.
-//! * Tubes, moving obstacles, and motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]).
+//! * Tubes, and motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]).
 //! * Undecided answers.
 //!
 //! Each of these is an error that names the body, the pair or the motion.
@@ -72,6 +72,8 @@
 //! * A mesh is stated as its triangles, and a closed one as a solid. A receipt proves that surfaces
 //!   stay apart. It proves that no body is inside the other if the hulls are apart at one time; or
 //!   else a checker says that it did not look at this. A distance is that of the surfaces.
+//! * A Bézier surface (feature `surfaces`) is stated as triangles with a radius that contain it. The receipt says by how much they are
+//!   larger, at most. They are refined until the evidence holds: to a radius of 1/16,384 of the size.
 //! * A piece of a compound is stated by its vertices and semi-axes in the frame of the body, which are rounded.
 //! * Pairs that are excluded, that keep their relative pose, or whose contact at the start was accepted
 //!   are listed with the reason. Pairs of two bodies that rest are not looked at, except for a contact.
@@ -98,6 +100,8 @@ mod scene;
 mod segment;
 mod sha256;
 mod stated;
+#[cfg(feature = "surfaces")]
+mod surface;
 mod taylor;
 
 use core::fmt;

@@ -140,3 +140,73 @@ fn split(rows: &mut [Vec<f64>], at: f64) -> Vec<Vec<f64>> {
     }
     before
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::scene::Body;
+    use super::super::taylor::pose;
+    use super::*;
+    use crate::motion::curve::JointCurve;
+    use lin_canny::Geometry;
+    use lin_canny::nalgebra::{Translation3, UnitQuaternion};
+    use lin_canny::polyhedron::solids;
+    use truth::rng::Rng;
+
+    /// The poses that a receipt states are those of the obstacles at the same times on the clock, and the coordinates of
+    /// the robot those of its motion.
+    #[test]
+    fn stated_poses_are_those_of_the_obstacles() {
+        let mut rng = Rng::new(3);
+        let die = Geometry::from(solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
+        for _ in 0..100 {
+            let any = |rng: &mut Rng| {
+                let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * rng.range(0.0, 3.0));
+                Isometry3::from_parts(Translation3::from(Vector3::from(rng.unit())), turn)
+            };
+            let timed = |rng: &mut Rng| {
+                let mut times = vec![-rng.uniform()];
+                let mut poses = vec![any(rng)];
+                while times[times.len() - 1] < 2.0 {
+                    times.push(times[times.len() - 1] + rng.range(0.05, 1.0));
+                    let next = any(rng);
+                    poses.push(if rng.chance(0.2) { poses[poses.len() - 1] } else { next });
+                }
+                TimedPoses::new(&times, &poses).expect("timed poses")
+            };
+            let all = [timed(&mut rng), timed(&mut rng)];
+            let points: Vec<[f64; 2]> = (0..1 + rng.below(4)).map(|_| [rng.uniform(), rng.uniform()]).collect();
+            let curves: Vec<JointCurve> = [[0.0, 1.0], [1.0, 2.0]]
+                .map(|ends| {
+                    JointCurve::bezier(&points)
+                        .and_then(|curve| curve.with_times(ends))
+                        .expect("a curve")
+                })
+                .into();
+            let (mut scene, mut obstacles) = (Scene::default(), Obstacles::default());
+            for poses in &all {
+                let way = obstacles.carry(&mut scene, poses, [0.0, 2.0], 2);
+                scene.bodies.push(Body::new("die", &die, way, 0).expect("a body"));
+            }
+            for (piece, curve) in curves.iter().enumerate() {
+                let mut end = 0.0;
+                for ([from, until], rows) in obstacles.legs(&JointMotion::curve(curve), 0) {
+                    assert!(from == end && until > from);
+                    end = until;
+                    let s = rng.uniform();
+                    let part = from + (until - from) * s;
+                    for (body, poses) in all.iter().enumerate() {
+                        let want = poses.at(piece as f64 + part).expect("a pose");
+                        let stated = pose(&scene.steps(body, Some(&rows)), s);
+                        let off = (stated.inverse() * want).to_homogeneous() - Isometry3::identity().to_homogeneous();
+                        assert!(off.amax() < 1e-13, "{off}");
+                    }
+                    let robot: Vec<Vec<f64>> = rows.iter().map(|row| row[..2].to_vec()).collect();
+                    let now = JointCurve::bezier(&robot).expect("a curve").at(s);
+                    let off = now.iter().zip(curve.at(part)).map(|(x, y)| (x - y).abs());
+                    assert!(off.fold(0.0, f64::larger) < 1e-14);
+                }
+                assert!(end == 1.0);
+            }
+        }
+    }
+}

@@ -8,10 +8,11 @@ use super::contact::{contact, meeting, missing};
 use super::distance::distance;
 use super::error::ReceiptError;
 use super::scene::{Body, Scene, SteadyWay, Way};
+use super::stated::FINENESS;
 use super::{Claim, Leg, Receipt, Wanted, apart};
 use lin_canny::impact::{Impact, Tolerance, cast_with_certificates};
 use lin_canny::motion::Steady;
-use lin_canny::{ContactState, Geometry, Outcome, PairTracker, RelativePose};
+use lin_canny::{ContactState, Geometry, GeometryKind, Outcome, PairTracker, RelativePose};
 
 impl Receipt {
     /// Returns the receipt of a cast: a miss, or apart up to a time and a contact at a later one.
@@ -50,6 +51,27 @@ impl Receipt {
         tolerance: Tolerance,
         margin: f64,
     ) -> Result<Self, ReceiptError> {
+        let mut receipt = Self::cast_with(bodies, motions, interval.clone(), tolerance, margin, 0);
+        for fineness in 1..FINENESS {
+            let is_coarse = bodies
+                .iter()
+                .any(|(_, body)| body.kind() == GeometryKind::BezierSurface);
+            if !(is_coarse && matches!(receipt, Err(ReceiptError::Pair { .. }))) {
+                break;
+            }
+            receipt = Self::cast_with(bodies, motions, interval.clone(), tolerance, margin, fineness);
+        }
+        receipt
+    }
+
+    fn cast_with(
+        bodies: [(&str, &Geometry); 2],
+        motions: [&Steady; 2],
+        interval: Range<f64>,
+        tolerance: Tolerance,
+        margin: f64,
+        fineness: usize,
+    ) -> Result<Self, ReceiptError> {
         let identity = Isometry3::identity();
         let mut ways = Vec::new();
         for ((name, _), motion) in bodies.iter().zip(motions) {
@@ -67,7 +89,7 @@ impl Receipt {
                 true => Way::Rests(way.start()),
                 false => Way::Steady(way),
             };
-            scene.bodies.push(Body::new(name, geometry, way)?);
+            scene.bodies.push(Body::new(name, geometry, way, fineness)?);
         }
         let mut certificates = Vec::new();
         let mut tracker = PairTracker::new();
@@ -136,7 +158,7 @@ impl Receipt {
         let mut scene = Scene::default();
         let poses = [Isometry3::identity(), *b_in_a];
         for ((name, geometry), at) in bodies.iter().zip(poses) {
-            scene.bodies.push(Body::new(name, geometry, Way::Rests(at))?);
+            scene.bodies.push(Body::new(name, geometry, Way::Rests(at), 0)?);
         }
         let line = match outcome.state {
             ContactState::Separated => RelativePose::from_isometry(b_in_a)

@@ -83,7 +83,7 @@ impl Receipt {
         let [low, high] = [0, 1].map(|k| range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
         checker.cell.check_at_rest()?;
         let segment = checker.segment(&low, &high)?;
-        let mut stated = Stated::new(checker, &segment, None)?;
+        let mut stated = Stated::new(checker, &segment, None, 1)?;
         let known: BTreeMap<CellPair, &RangeAnswer> = answers.iter().map(|answer| (answer.pair, answer)).collect();
         let excluded = |ignored: &Ignored| ignored.why == EXCLUDED;
         let (others, rigid): (Vec<_>, Vec<_>) = core::mem::take(&mut stated.scene.ignored)
@@ -189,6 +189,9 @@ impl Divided<'_> {
     /// Returns the lines of the cells of a pair, without the pair; `None` if they are too many.
     fn lines(scene: &Scene, pair: [usize; 2], keep: f64, range: &[[f64; 2]], cells: u64) -> Option<Vec<String>> {
         let sides = pair.map(|k| Side::new(scene, k));
+        if (0..2).any(|k| sides[k].half.is_some() && scene.moves(pair[k])) {
+            return None;
+        }
         let mut on = vec![0];
         for side in &sides {
             on.extend(side.link.map_or(Vec::new(), |link| chain(scene, link)));

@@ -64,6 +64,8 @@ pub(super) struct Body {
     pub(super) radii: Vec<f64>,
     /// The greatest radius of a part.
     pub(super) radius: f64,
+    /// By how much it is larger than the body that it stands for, at most.
+    pub(super) larger: f64,
     pub(super) way: Way,
 }
 
@@ -88,7 +90,13 @@ pub(super) struct SteadyWay {
 }
 
 impl Body {
-    pub(super) fn new(name: &str, geometry: &Geometry, way: Way) -> Result<Self, ReceiptError> {
+    /// States a body, a surface with so many triangles as the fineness asks for.
+    pub(super) fn new(
+        name: &str,
+        geometry: &Geometry,
+        way: Way,
+        #[cfg_attr(not(feature = "surfaces"), expect(unused))] fineness: usize,
+    ) -> Result<Self, ReceiptError> {
         let refused = || ReceiptError::Body {
             name: name.into(),
             kind: geometry.kind(),
@@ -105,6 +113,7 @@ impl Body {
             curved: Vec::new(),
             radii: Vec::new(),
             radius: 0.0,
+            larger: 0.0,
             way,
         };
         let stated = match geometry {
@@ -113,6 +122,16 @@ impl Body {
                 return Ok(body);
             }
             Geometry::Mesh(mesh) => StatedParts::of_mesh(mesh),
+            #[cfg(feature = "surfaces")]
+            Geometry::BezierSurface(surface) => {
+                let (stated, larger) =
+                    super::surface::triangles(surface, fineness, PARTS).ok_or_else(|| ReceiptError::Parts {
+                        name: name.into(),
+                        count: PARTS + 1,
+                    })?;
+                body.larger = larger;
+                stated
+            }
             Geometry::Compound(compound) => of_pieces(compound)?,
             Geometry::Cloud(cloud) => of_pieces(&cloud.to_compound().map_err(|_| refused())?)?,
             _ => {
@@ -141,7 +160,7 @@ impl Body {
 
     /// Returns whether the receipt states no points of the surface of the body.
     pub(super) fn has_no_points(&self) -> bool {
-        !self.ellipsoids.is_empty() || self.half.is_some()
+        !self.ellipsoids.is_empty() || self.half.is_some() || self.larger > 0.0
     }
 
     /// Returns the greatest radius of some parts.
@@ -197,6 +216,9 @@ impl Body {
             let _ = write!(text, ",\"radii\":{}", hexes(&self.radii));
         } else if self.radius > 0.0 {
             let _ = write!(text, ",\"radius\":\"{}\"", hex(self.radius));
+        }
+        if self.larger > 0.0 {
+            let _ = write!(text, ",\"larger\":\"{}\"", hex(self.larger));
         }
         let _ = match &self.way {
             Way::Rests(at) => write!(text, ",\"at\":{}", pose(at)),
@@ -290,6 +312,11 @@ impl Scene {
     /// Returns the joints; joint k carries link k + 1.
     pub(super) fn joints(&self) -> &[TreeJoint] {
         &self.joints
+    }
+
+    /// Returns whether a body is stated larger than it is.
+    pub(super) fn is_coarse(&self) -> bool {
+        self.bodies.iter().any(|body| body.larger > 0.0)
     }
 
     /// Returns whether a coordinate drives a joint, so that a leg is needed.

@@ -8,6 +8,7 @@ use super::contact::{contact, meeting};
 use super::error::ReceiptError;
 use super::obstacles::Obstacles;
 use super::scene::{Body, Ignored, Scene, SteadyWay, Way};
+use super::stated::FINENESS;
 use super::{Claim, Leg, Receipt, Wanted, apart};
 use crate::check::certify::{Certified, CertifyOptions, PairProof};
 use crate::check::checker::Checker;
@@ -115,12 +116,23 @@ impl Receipt {
             Verdict::Undecided { free_until, .. } => return Err(ReceiptError::Undecided { time: *free_until }),
         };
         let mut receipt = Err(ReceiptError::Nothing);
-        let mut stated = Stated::of_motion(checker, motion)?;
-        stated.leave_out(leaving);
-        // Close to a contact the evidence may be within rounding: then it ends earlier.
-        for part in [1.0, 1023.0 / 1024.0, 0.5, 0.0] {
-            receipt = Self::proven(checker, motion, found, &stated, part * until, blocked);
-            if blocked.is_none() || !matches!(receipt, Err(ReceiptError::Pair { .. })) {
+        for fineness in 0..FINENESS {
+            let mut stated = match Stated::of_motion(checker, motion, fineness) {
+                // The evidence of the last fineness was not enough, and the next has too many triangles.
+                Err(ReceiptError::Parts { .. } | ReceiptError::Vertices { .. }) if fineness > 0 => break,
+                stated => stated?,
+            };
+            stated.leave_out(leaving);
+            // Close to a contact the evidence may be within rounding: then it ends earlier.
+            for part in [1.0, 1023.0 / 1024.0, 0.5, 0.0] {
+                receipt = Self::proven(checker, motion, found, &stated, part * until, blocked);
+                if blocked.is_none() || !matches!(receipt, Err(ReceiptError::Pair { .. })) {
+                    break;
+                }
+            }
+            // A contact has no evidence at any fineness.
+            let is_missing = matches!(&receipt, Err(ReceiptError::Pair { from, until, .. }) if from < until);
+            if !(is_missing && stated.scene.is_coarse()) {
                 break;
             }
         }
@@ -194,7 +206,7 @@ impl Receipt {
     /// # Errors
     /// Returns an error as [`certified`](Self::certified) does, but for verdicts.
     pub fn scene<C: ConfigurationSpace>(checker: &Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
-        let stated = Stated::of_motion(checker, motion)?;
+        let stated = Stated::of_motion(checker, motion, 0)?;
         let legs = stated.legs(motion);
         stated.check_legs(legs.len())?;
         let legs = legs.into_iter().map(|(_, _, leg)| leg);
@@ -220,18 +232,19 @@ impl<'a> Stated<'a> {
         checker: &'a Checker<C>,
         segment: &C::Segment,
         clock: Option<([f64; 2], usize)>,
+        fineness: usize,
     ) -> Result<Self, ReceiptError> {
         let cell = &checker.cell;
         let mut obstacles = Obstacles::default();
         let (mut scene, mut ids) = (Scene::default(), Vec::new());
         let identity = Isometry3::identity();
         for (k, (name, geometry)) in cell.robot_bodies().enumerate() {
-            add(&mut scene, checker, segment, (name, geometry), k, &identity)?;
+            add(&mut scene, checker, segment, (name, geometry, fineness), k, &identity)?;
             ids.push(CellBody::Robot(k));
         }
         for (id, object) in cell.attached() {
             let body = cell.body_of(object.frame);
-            let named = (object.name.as_str(), &object.geometry);
+            let named = (object.name.as_str(), &object.geometry, fineness);
             add(&mut scene, checker, segment, named, body, &object.pose)?;
             ids.push(id);
         }
@@ -244,7 +257,7 @@ impl<'a> Stated<'a> {
                 (Some(poses), Some((ends, robot))) => obstacles.carry(&mut scene, poses, ends, robot),
                 _ => Way::Rests(*pose),
             };
-            scene.bodies.push(Body::new(name, geometry, way)?);
+            scene.bodies.push(Body::new(name, geometry, way, fineness)?);
             ids.push(id);
         }
         scene.settle();
@@ -260,7 +273,11 @@ impl<'a> Stated<'a> {
     }
 
     /// Returns the bodies of a motion.
-    fn of_motion<C: ConfigurationSpace>(checker: &'a Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
+    fn of_motion<C: ConfigurationSpace>(
+        checker: &'a Checker<C>,
+        motion: &JointMotion,
+        fineness: usize,
+    ) -> Result<Self, ReceiptError> {
         if motion.tube != Tube::None {
             return Err(ReceiptError::Tube);
         }
@@ -275,6 +292,7 @@ impl<'a> Stated<'a> {
             checker,
             &first,
             clock.map(|ends| (ends, motion.control_points(0)[0].len())),
+            fineness,
         )
     }
 
@@ -395,7 +413,7 @@ fn add<C: ConfigurationSpace>(
     scene: &mut Scene,
     checker: &Checker<C>,
     segment: &C::Segment,
-    (name, geometry): (&str, &Geometry),
+    (name, geometry, fineness): (&str, &Geometry, usize),
     body: usize,
     at: &Isometry3<f64>,
 ) -> Result<(), ReceiptError> {
@@ -415,6 +433,6 @@ fn add<C: ConfigurationSpace>(
         }
         (None, None) => return Err(refused("its space states neither joints nor constant velocities")),
     };
-    scene.bodies.push(Body::new(name, geometry, way)?);
+    scene.bodies.push(Body::new(name, geometry, way, fineness)?);
     Ok(())
 }

@@ -17,6 +17,9 @@ use lin_canny::{Compound, Geometry, Mesh, MeshKind, Piece, Shape};
 /// Directions along which points of an ellipsoid are taken, for a hull that is nearly the body. Not measured.
 const SIDES: u32 = 16;
 
+/// Number of the finenesses at which a curved surface is stated. A receipt takes the first that is enough.
+pub(super) const FINENESS: usize = 3;
+
 /// An ellipsoid about a point of a body, or an ellipse, which is one with two semi-axes.
 #[derive(Clone, Debug)]
 pub(super) struct Ellipsoid {
@@ -142,6 +145,17 @@ impl StatedParts {
         };
         let parts = mesh.triangle_vertices().into_iter().map(part).collect();
         Self::sorted(mesh.vertices(), Vec::new(), parts, mesh.kind() == MeshKind::Solid)
+    }
+
+    /// Returns triangles with a radius.
+    #[cfg(feature = "surfaces")]
+    pub(super) fn of_thick(points: Vec<Point3<f64>>, parts: Vec<[usize; 3]>, radius: f64) -> Self {
+        let part = |points: [usize; 3]| Part {
+            points: points.to_vec(),
+            radius,
+            curved: None,
+        };
+        Self::sorted(points, Vec::new(), parts.into_iter().map(part).collect(), false)
     }
 
     /// Returns the pieces, or `None` if one has no form in a receipt.

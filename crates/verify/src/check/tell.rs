@@ -74,6 +74,14 @@ impl Check {
         let inside = "whether one is inside the other; their surfaces stay apart";
         let solids = self.inside.not_looked_at().map(|pair| (pair, inside));
         self.report.not_looked_at.extend(grouped(&self.scene, solids));
+        for body in &self.scene.bodies {
+            if let Some(larger) = body.larger {
+                let (name, larger) = (&body.name, larger.shown());
+                let text =
+                    format!("how much larger {name} is than the body it stands for; by at most {larger}, it says");
+                self.report.not_looked_at.push(text.into());
+            }
+        }
         if resting > 0 {
             let pairs = if resting == 1 { "pair" } else { "pairs" };
             let text = format!("{resting} {pairs} of bodies that both rest");

@@ -46,6 +46,8 @@ pub(crate) struct Body {
     pub(crate) radii: Vec<RBig>,
     /// The greatest radius of a part.
     pub(crate) radius: RBig,
+    /// By how much it is larger than the body that it stands for, as the writer says.
+    pub(crate) larger: Option<Real>,
     pub(crate) motion: Motion,
     pub(crate) moves: bool,
 }
@@ -80,6 +82,7 @@ impl Scene {
             "half",
             "radius",
             "radii",
+            "larger",
             "at",
             "link",
             "steady",
@@ -122,10 +125,7 @@ impl Scene {
         };
         let half = line.find("half").map(HalfSpace::read).transpose()?;
         if let Some(half) = &half {
-            line.only(&["body", "name", "half", "at", "link"])?;
-            if moves {
-                return Stop::bad("a half-space moves");
-            }
+            line.only(&["body", "name", "half", "at", "link", "steady"])?;
             self.lengths(&[half.end]);
         }
         let origin = [Json::Text("0x0p0"), Json::Text("0x0p0"), Json::Text("0x0p0")];
@@ -152,6 +152,10 @@ impl Scene {
             return Stop::bad("a body has faces or ellipsoids, not both");
         }
         let (radii, radius) = radii_of(line, parts.len())?;
+        let larger = line.find("larger").map(Json::real).transpose()?;
+        if larger.is_some_and(|larger| larger < Real::ZERO) {
+            return Stop::bad("larger is negative");
+        }
         let name = line.get("name")?.text()?.into();
         self.bodies.push(Body {
             name,
@@ -162,6 +166,7 @@ impl Scene {
             half,
             radii,
             radius,
+            larger,
             motion,
             moves,
         });
