@@ -254,6 +254,9 @@ fn judge(seeds: std::ops::Range<u64>, has_times: bool) -> [usize; 5] {
                 .collect();
             motion = motion.with_times(&times).expect("times");
         }
+        if rng.below(6) == 0 {
+            motion = motion.with_radius(rng.range(0.001, 0.05)).expect("a tube");
+        }
         let verdict = checker.certify(&motion).expect("a motion");
         let receipt = Receipt::motion(&mut checker, &motion);
         let receipt = match (&verdict, receipt) {

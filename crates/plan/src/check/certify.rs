@@ -320,10 +320,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ) -> Result<T, PlanError> {
         match &motion.tube {
             Tube::None => return call(self),
-            Tube::Radius(radius) => {
-                let moving = if self.pairs.own.is_empty() { 1.0 } else { 2.0 };
-                self.tube = moving * radius;
-            }
+            Tube::Radius(radius) => self.tube = self.widened(*radius),
             Tube::Joints(tube) => {
                 self.check_tube(motion, k)?;
                 self.joint_tube = Some(tube.clone());
@@ -334,6 +331,12 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.start_contact_margin = start_contact;
         (self.tube, self.joint_tube) = (0.0, None);
         found
+    }
+
+    /// Returns by how much a tube of points brings a pair nearer.
+    pub(crate) fn widened(&self, radius: f64) -> f64 {
+        let moving = if self.pairs.own.is_empty() { 1.0 } else { 2.0 };
+        moving * radius
     }
 
     /// Returns an error if the space of a motion with a tube of joints has no tubes.

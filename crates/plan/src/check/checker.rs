@@ -221,11 +221,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the distance that a pair must keep, inside a tube as well.
     pub(crate) fn kept(&self, index: usize) -> f64 {
-        let kept = self.pairs.all[index].kept;
-        match self.tube > 0.0 {
-            true => (kept + self.tube).next_up(),
-            false => kept,
-        }
+        in_tube(self.pairs.all[index].kept, self.tube)
     }
 
     /// Returns the distance that a pair must keep during an interval, inside a tube of joints as
@@ -721,5 +717,13 @@ fn moving<'a, M: SegmentMotion>(segment: &'a M, places: &'a Places, mover: usize
     CarriedMotion {
         motion: BodyMotion { segment, body, stem },
         carried,
+    }
+}
+
+/// Returns the distance that a pair must keep in a tube.
+pub(crate) fn in_tube(kept: f64, tube: f64) -> f64 {
+    match tube > 0.0 {
+        true => (kept + tube).next_up(),
+        false => kept,
     }
 }

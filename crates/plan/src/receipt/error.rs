@@ -53,8 +53,8 @@ pub enum ReceiptError {
         /// Index of the piece.
         piece: usize,
     },
-    /// Returned if the motion has a tube around it: a receipt is about the motion itself.
-    #[error("the motion has a tube around it (expected a motion without a tube)")]
+    /// Returned if the motion has a tube of the coordinates around it: a receipt is about the motion itself.
+    #[error("the motion has a tube of the coordinates around it (expected none, or a tube of points)")]
     Tube,
     /// Returned if a pair has no evidence that a checker would accept.
     #[error("{a} and {b} have no evidence {}: {why}", when(*.from, *.until))]

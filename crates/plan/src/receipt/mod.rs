@@ -55,7 +55,7 @@
 //!   points of their surfaces are stated.
 //! * Ranges of joint values in which a half-space moves.
 //! * A mesh that holds another body inside, without contact of their surfaces.
-//! * Tubes, and motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]).
+//! * Tubes of the coordinates, and motions with bounds of unknown accelerations ([`Steady::with_acceleration_bounds`]).
 //! * Undecided answers.
 //!
 //! Each of these is an error that names the body, the pair or the motion.

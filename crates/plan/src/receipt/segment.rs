@@ -11,7 +11,7 @@ use super::scene::{Body, Ignored, Scene, SteadyWay, Way};
 use super::stated::FINENESS;
 use super::{Claim, Leg, Receipt, Wanted, apart};
 use crate::check::certify::{Certified, CertifyOptions, PairProof};
-use crate::check::checker::Checker;
+use crate::check::checker::{Checker, in_tube};
 use crate::check::verdict::{LeavingPair, Verdict};
 use crate::extremes::Extremes;
 use crate::motion::joint_motion::{JointMotion, Tube};
@@ -30,6 +30,8 @@ pub(super) struct Stated<'a> {
     pub(super) scene: Scene,
     obstacles: Obstacles<'a>,
     ids: Vec<CellBody>,
+    /// By how much a tube of points brings a pair nearer.
+    tube: f64,
     /// The pairs that must have evidence, and what they must keep.
     pub(super) pairs: Vec<([usize; 2], f64)>,
     margin: f64,
@@ -45,6 +47,10 @@ impl Receipt {
     ///
     /// Among moving obstacles it has more legs: a piece is cut at the times of the poses of every obstacle
     /// ([`Cell::add_moving_obstacle`](crate::Cell::add_moving_obstacle)). Cuts and poses are rounded, too.
+    ///
+    /// A tube of points ([`JointMotion::with_radius`]) is a distance that each pair keeps more than along the motion
+    /// itself, once or twice the radius.
+    ///
     /// If a motion that is cut is blocked, the receipt states the leg with the contact, and the contact alone.
     ///
     /// Along a blocked motion, all pairs have evidence until `free_until` of the
@@ -98,9 +104,6 @@ impl Receipt {
         motion: &JointMotion,
         found: &Certified,
     ) -> Result<Self, ReceiptError> {
-        if motion.tube != Tube::None {
-            return Err(ReceiptError::Tube);
-        }
         let (until, blocked, leaving) = match &found.verdict {
             Verdict::Free { start_contacts, .. } => (1.0, None, start_contacts),
             Verdict::Blocked { piece, .. } if motion.pieces() > 1 => {
@@ -167,7 +170,7 @@ impl Receipt {
                 }
                 let bracket = bracket.map(|time| ((time - start) / (end - start)).larger(0.0));
                 let numbers = stated.numbers(pair);
-                let kept = checker.cell.required_distance(pair).distance;
+                let kept = in_tube(checker.cell.required_distance(pair).distance, stated.tube);
                 let moves = numbers.iter().any(|k| stated.scene.moves(*k));
                 line = Some(match moves {
                     true => contact(&stated.scene, leg.rows(), numbers, bracket, 1.0, kept)?,
@@ -265,6 +268,7 @@ impl<'a> Stated<'a> {
             scene,
             obstacles,
             ids,
+            tube: 0.0,
             pairs: Vec::new(),
             margin: cell.margin(),
         };
@@ -278,9 +282,11 @@ impl<'a> Stated<'a> {
         motion: &JointMotion,
         fineness: usize,
     ) -> Result<Self, ReceiptError> {
-        if motion.tube != Tube::None {
-            return Err(ReceiptError::Tube);
-        }
+        let tube = match motion.tube {
+            Tube::None => 0.0,
+            Tube::Radius(radius) => checker.widened(radius),
+            Tube::Joints(_) => return Err(ReceiptError::Tube),
+        };
         let ends = motion.times(0).zip(motion.times(motion.pieces() - 1));
         let clock = ends.map(|([begin, _], [_, end])| [begin, end]);
         match clock {
@@ -288,12 +294,15 @@ impl<'a> Stated<'a> {
             None => checker.cell.check_at_rest()?,
         }
         let first = checker.moved(motion, 0)?;
-        Self::new(
-            checker,
-            &first,
-            clock.map(|ends| (ends, motion.control_points(0)[0].len())),
-            fineness,
-        )
+        let clock = clock.map(|ends| (ends, motion.control_points(0)[0].len()));
+        let mut stated = Self::new(checker, &first, clock, fineness)?;
+        stated.tube = tube;
+        stated
+            .pairs
+            .iter_mut()
+            .for_each(|(_, kept)| *kept = in_tube(*kept, tube));
+        stated.margin = stated.least().unwrap_or(stated.margin);
+        Ok(stated)
     }
 
     /// Returns the legs of all pieces of a motion, each with the number of its piece and the part of the piece's time.
