@@ -38,6 +38,7 @@ impl Text {
         if text.contains('\r') {
             text = text.replace("\r\n", "\n").replace('\r', "\n");
         }
+        let text = without_comments(text);
         let start = text.len() - text.trim_start().len();
         Self { text, start }
     }
@@ -66,6 +67,29 @@ impl Text {
             Fault::malformed(first_line + e.pos().row as usize, format!("malformed XML: {message}"))
         })
     }
+}
+
+/// Blanks the comments but for their lines: writers put `--` into them, which XML does not allow.
+fn without_comments(text: String) -> String {
+    let mut bytes = text.clone().into_bytes();
+    let mut at = 0;
+    while let Some(found) = text[at..].find("<!") {
+        let start = at + found;
+        let tag = &text[start..];
+        let behind = |mark: &str, end: &str| {
+            let inside = tag.strip_prefix(mark)?;
+            Some(start + mark.len() + inside.find(end)?)
+        };
+        if let Some(end) = behind("<!--", "-->") {
+            let inside = bytes[start + 4..end].iter_mut();
+            inside.filter(|byte| **byte != b'\n').for_each(|byte| *byte = b' ');
+            at = end;
+        } else {
+            at = behind("<![CDATA[", "]]>").unwrap_or(start + 2);
+        }
+    }
+    // Whole letters were replaced.
+    String::from_utf8(bytes).unwrap_or(text)
 }
 
 fn line_feeds(text: &str) -> usize {

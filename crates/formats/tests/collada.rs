@@ -1190,6 +1190,7 @@ fn all_encodings_and_line_ends_give_the_same_mesh() {
         ("<COLLADA", "<!DOCTYPE COLLADA [ <!ELEMENT p (#PCDATA)> ]><COLLADA"),
         ("0 2 1 0 1 3", "0 2<!-- two --> 1 0 1 3"),
         ("0 2 1 0 1 3", "<!-- none -->0 2 1 0 1 3"),
+        ("0 2 1 0 1 3", "0 2<!-- a -- b < c > <!ENTITY d> ---> 1 0 1 3"),
         ("0 2 1 0 1 3", "0 2 1 <![CDATA[0 1]]> 3"),
         ("0 2 1 0 1 3", "0 2 1 &#48; 1 3"),
         ("4 4 4 4<", "4 <?x y?>4 4 4<"),
