@@ -663,7 +663,7 @@ const PACKAGES: &[(&str, &[&str])] = &[
             "check: apart body_boxes pairs swept_boxes verdict checker certify hulls free clearance tube changes batch mod",
             "range: verdict chain bound search contact parts prover mod pair_boxes",
             "search: ascent freeway roadmap shorten options opportunistic rrt_connect plan speeds smooth mod",
-            "receipt: number error taylor stated scene groups evidence sha256 mod cells contact distance pair segment range",
+            "receipt: number error taylor stated surface scene obstacles groups evidence sha256 mod cells contact distance pair segment range",
         ],
     ),
     (

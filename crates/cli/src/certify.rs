@@ -228,6 +228,10 @@ pub(crate) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
         true => JointMotion::spline(&curves)?,
         false => JointMotion::path(&path.rows)?,
     };
+    let motion = match &path.times {
+        Some(times) if motion.pieces() + 1 == times.len() => motion.with_times(times)?,
+        _ => motion,
+    };
     if let Some(file) = &options.scene {
         receipt::write_unless_blocked(file, &options.robot, &cell, Receipt::scene(&checker, &motion), end)?;
     }
