@@ -55,7 +55,10 @@ mod tests {
     #[test]
     fn names_cannot_break_or_turn_a_line() {
         let name = "post\u{2028}free: 1 pair\u{202e}\r\u{1b}[2J";
-        assert_eq!(super::plain(format_args!("{name}\tx\n")), "post_free: 1 pair___[2J\tx\n");
+        assert_eq!(
+            super::plain(format_args!("{name}\tx\n")),
+            "post_free: 1 pair___[2J\tx\n"
+        );
     }
 }
 

@@ -10,11 +10,10 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::io::BufRead;
 
-use dashu_int::IBig;
-
 use crate::cover::Cover;
 use crate::file::{Head, after, start, tail};
 use crate::inside::Inside;
+use crate::int::Big;
 use crate::json::Json;
 use crate::lines::Lines;
 use crate::meet::Meet;
@@ -61,6 +60,13 @@ pub(crate) fn run(reader: impl BufRead, other: Option<(Scene, Vec<Leg>)>) -> Res
     Err(lines.bad("the tail is missing"))
 }
 
+/// The bodies in wide integers, at both degrees.
+#[derive(Default)]
+struct Wide {
+    same: OnceCell<Option<Stage<Big<4>>>>,
+    higher: OnceCell<Option<Stage<Big<5>>>>,
+}
+
 #[derive(Default)]
 struct Check {
     head: Head,
@@ -70,7 +76,7 @@ struct Check {
     stated: Option<Scene>,
     legs: Option<Vec<Leg>>,
     narrow: Option<Stage<i128>>,
-    wide: OnceCell<Option<Stage<IBig>>>,
+    wide: Wide,
     /// The last leg of the file, and how many there are.
     leg: Option<Leg>,
     count: usize,

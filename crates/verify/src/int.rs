@@ -1,5 +1,6 @@
-//! Integers of two widths. Narrow ones are fast; what they cannot hold is evaluated again in wide
-//! ones.
+//! Integers of two widths. Narrow ones are fast; what they cannot hold, or cannot show, is evaluated again in wide ones: at
+//! the same degree of polynomials, and at a higher one. Neither degree is always the better: where an angle is far from
+//! small, the rest of the higher one can be larger.
 
 use dashu_base::Abs;
 use dashu_int::IBig;
@@ -73,45 +74,53 @@ impl Int for i128 {
     }
 }
 
-impl Int for IBig {
+/// An integer of any size, for polynomials of degree D.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Big<const D: usize>(IBig);
+
+impl<const D: usize> Int for Big<D> {
     const P: usize = 128;
-    const D: usize = 5;
-    const W: i32 = 10;
+    const D: usize = D;
+    const W: i32 = match D {
+        4 => 12,
+        5 => 10,
+        _ => panic!("another degree"),
+    };
     fn of(x: IBig) -> Option<Self> {
-        Some(x)
+        Some(Self(x))
     }
     fn small(x: i32) -> Self {
-        Self::from(x)
+        Self(x.into())
     }
     fn wide(&self) -> IBig {
-        self.clone()
+        self.0.clone()
     }
     fn add(&self, o: &Self) -> Option<Self> {
-        Some(self + o)
+        Some(Self(&self.0 + &o.0))
     }
     fn sub(&self, o: &Self) -> Option<Self> {
-        Some(self - o)
+        Some(Self(&self.0 - &o.0))
     }
     fn mul(&self, o: &Self) -> Option<Self> {
-        Some(self * o)
+        Some(Self(&self.0 * &o.0))
     }
     fn up(&self) -> Option<Self> {
-        Some(self << Self::P)
+        Some(Self(&self.0 << Self::P))
     }
     fn down(&self) -> Self {
-        self >> Self::P
+        Self(&self.0 >> Self::P)
     }
     fn half(&self) -> Self {
-        self >> 1usize
+        Self(&self.0 >> 1usize)
     }
     fn over(&self, n: i32) -> Self {
-        self / Self::from(n)
+        Self(&self.0 / IBig::from(n))
     }
     fn size(&self) -> Option<Self> {
-        Some(self.clone().abs())
+        Some(Self(self.0.clone().abs()))
     }
     fn quotient(&self, o: &Self) -> Self {
-        dashu_base::DivEuclid::div_euclid(self, o)
+        Self(dashu_base::DivEuclid::div_euclid(&self.0, &o.0))
     }
 }
 
@@ -133,6 +142,7 @@ mod tests {
     #[test]
     fn both_widths_round_down() {
         check::<i128>();
-        check::<IBig>();
+        check::<Big<4>>();
+        check::<Big<5>>();
     }
 }

@@ -9,7 +9,7 @@ mod heights;
 mod solid;
 mod step;
 
-pub(crate) use heights::{chosen, extremes};
+pub(crate) use heights::chosen;
 pub(crate) use solid::Solid;
 pub(crate) use step::{Step, Turn};
 

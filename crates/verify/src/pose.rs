@@ -4,7 +4,6 @@ use dashu_int::IBig;
 use dashu_ratio::RBig;
 
 use crate::Stop;
-use crate::motion::{chosen, extremes};
 use crate::points::Points;
 use crate::real::{Exact, Real, cross, dot, two_to};
 
@@ -89,8 +88,13 @@ impl Placed<'_> {
         let m = self.pose.row(n);
         let below = m.iter().fold(IBig::ONE, |d, x| d * IBig::from(x.denominator().clone()));
         let m = m.map(|x| x.numerator() * (&below / IBig::from(x.denominator().clone())));
-        // Integers of any size always fit.
-        let [least, most] = extremes(&chosen(&self.points.all, some), &m).unwrap_or_default();
+        let height = |p: &[IBig; 3]| &m[0] * &p[0] + &m[1] * &p[1] + &m[2] * &p[2];
+        let all: Vec<IBig> = match some {
+            Some(some) => some.iter().map(|k| height(&self.points.all[*k])).collect(),
+            None => self.points.all.iter().map(height).collect(),
+        };
+        // A body has points, and a part of it has some.
+        let [least, most] = [all.iter().min(), all.iter().max()].map(|end| end.cloned().unwrap_or_default());
         let (unit, base) = (
             two_to(self.points.exponent) / RBig::from(below),
             dot(n, &self.pose.shift),

@@ -86,6 +86,7 @@ pub(crate) fn turn<I: Int>(square: &RBig, angle: &[RBig]) -> Option<[Taylor<I>; 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::int::Big;
 
     /// The value of a form at x = k / 4, in units of 2^-P, and its rest.
     fn at<I: Int>(form: &Taylor<I>, k: i32) -> [RBig; 2] {
@@ -104,7 +105,7 @@ mod tests {
         for k in 0..=4 {
             let x = RBig::from(k) / RBig::from(4);
             let value = angle.iter().rev().fold(RBig::ZERO, |sum, c| sum * &x + c);
-            let point = turn::<IBig>(&RBig::from(square), &[value]).unwrap();
+            let point = turn::<Big<5>>(&RBig::from(square), &[value]).unwrap();
             for (over, point) in over.iter().zip(&point) {
                 let ([y, r], [z, s]) = (at(over, k), at(point, 0));
                 assert!((y - z).abs() <= r + s, "{square} {angle:?} {k}");
@@ -142,7 +143,7 @@ mod tests {
             let angle: Vec<_> = (0..1 + k % 7).map(|j| next(if j == 0 { size } else { 2 })).collect();
             let square = [0, 1, 2, 5][k % 4];
             check::<i128>(square, &angle);
-            check::<IBig>(square, &angle);
+            check::<Big<5>>(square, &angle);
         }
     }
 }

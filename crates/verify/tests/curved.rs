@@ -86,6 +86,26 @@ fn ellipsoids_above_half_spaces_are_proven_as_they_are() {
     }
 }
 
+/// A joint turns far along a curve, and squares of the bounds do not fit the narrow integers. At degree 5 the rest is larger
+/// than at degree 4, and only the lower one sees the claim: a random world in which one of the checkers tried the higher
+/// one alone.
+#[test]
+fn both_checkers_try_both_degrees_in_wide_integers() {
+    let lines = [
+        r#"{"receipt":1,"claim":"apart","from":"0x0p0","until":"0x1p0","margin":"0x1.24134bf466a3dp-4"}"#,
+        r#"{"base":["0x0p0","0x0p0","0x0p0","0x1.6dc4b5e379ccap-2","-0x1.e84e177944fcbp-4","-0x1.aa93fd66395c4p-10","0x1.da4fa46668258p-1"]}"#,
+        r#"{"joint":1,"parent":0,"kind":"turn","origin":["0x0p0","0x0p0","0x0p0","0x0p0","0x0p0","0x0p0","0x1p0"],"axis":["0x1.fbad67b427532p-4","-0x1.eecf1c3818b42p-2","0x1.bbbe374802639p-1"],"drive":[0,"0x1p0","0x0p0"]}"#,
+        r#"{"body":0,"name":"link 1","points":[["0x0p0","0x0p0","0x0p0"]],"ellipsoids":[[0,[["0x1.504676ab6595ep-3","0x0p0","0x0p0"],["0x0p0","0x1.0b04c4b625e43p-4","0x0p0"],["0x0p0","0x0p0","0x1.d5c8d9067888p-4"]]]],"link":1}"#,
+        r#"{"body":1,"name":"floor","half":[["0x1.078030207928ep-3","-0x1.a4693b63eca1p-4","0x1.f90483c5ae315p-1"],"-0x1.5643dd837ed87p1"],"at":["0x0p0","0x0p0","0x0p0","0x1.873e9723b03b9p-4","-0x1.fc52499f7a7cp-2","0x1.b78044b9a2f25p-1","0x1.652e2ea12fc4dp-4"]}"#,
+        r#"{"leg":[["-0x1.2731aefbd5dcp-7"],["0x1.b417f1fb6dd15p-2"],["0x1.cab407479756p-5"],["-0x1.1bd32892e7e45p-2"]]}"#,
+        r#"{"plane":[0,1]}"#,
+    ];
+    let text = sealed(&lines.map(String::from));
+    let cases = [(text.clone(), None)];
+    assert_eq!(code(&text, None), 0);
+    assert!(codes(&cases).is_none_or(|codes| codes == [0]));
+}
+
 #[test]
 fn lines_that_an_ellipsoid_or_a_half_space_cannot_have_are_refused() {
     let coin = Coin::new(&mut Rng(1));

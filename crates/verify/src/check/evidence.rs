@@ -1,5 +1,7 @@
 //! Evaluates lines of evidence.
 
+use std::cell::OnceCell;
+
 use super::Check;
 use crate::Stop;
 use crate::balls::Balls;
@@ -8,10 +10,12 @@ use crate::cover::Apart;
 use crate::file::Head;
 use crate::half_space::{self, Floor};
 use crate::inside::Inside;
+use crate::int::Int;
 use crate::json::Json;
 use crate::motion::{Span, Stage};
 use crate::plane::Plane;
 use crate::real::{Exact, Real};
+use crate::scene::{Leg, Scene};
 
 fn vector(json: &Json) -> Result<Exact, Stop> {
     Ok(json.reals::<3>()?.map(Real::exact))
@@ -139,9 +143,12 @@ impl Check {
         if leg.is_none() && self.scene.coordinates > 0 && !matches!(self.head, Head::Range(_)) {
             return false;
         }
-        let wide = self.wide.get_or_init(|| Stage::new(&self.scene, leg));
-        wide.as_ref()
-            .and_then(|stage| claim.holds(&self.scene, stage))
-            .unwrap_or(false)
+        seen(claim, &self.scene, leg, &self.wide.same) || seen(claim, &self.scene, leg, &self.wide.higher)
     }
+}
+
+/// Returns whether a claim is seen to hold on a stage, which is made once.
+fn seen<I: Int>(claim: &impl Claim, scene: &Scene, leg: Option<&Leg>, stage: &OnceCell<Option<Stage<I>>>) -> bool {
+    let stage = stage.get_or_init(|| Stage::new(scene, leg)).as_ref();
+    stage.and_then(|stage| claim.holds(scene, stage)) == Some(true)
 }

@@ -1,8 +1,6 @@
 //! The legs of a path, one after the other.
 
-use std::cell::OnceCell;
-
-use super::Check;
+use super::{Check, Wide};
 use crate::Stop;
 use crate::file::Head;
 use crate::scene::Leg;
@@ -18,7 +16,7 @@ impl Check {
 
     pub(super) fn start_leg(&mut self, leg: Leg) -> Result<(), Stop> {
         let before = if self.count > 0 { self.end_leg() } else { Ok(()) };
-        (self.leg, self.count, self.wide) = (Some(leg), self.count + 1, OnceCell::new());
+        (self.leg, self.count, self.wide) = (Some(leg), self.count + 1, Wide::default());
         let stage = self.narrow.take();
         let Some(now) = self.now() else {
             return Stop::fails("another scene: a leg is missing");

@@ -62,7 +62,7 @@ pub(crate) fn chosen<'a, I: Int>(all: &'a [[I; 3]], some: Option<&[usize]>) -> C
     }
 }
 
-pub(crate) fn extremes<I: Int>(points: &[[I; 3]], n: &[I; 3]) -> Option<[I; 2]> {
+fn extremes<I: Int>(points: &[[I; 3]], n: &[I; 3]) -> Option<[I; 2]> {
     let height = |p: &[I; 3]| n[0].mul(&p[0])?.add(&n[1].mul(&p[1])?)?.add(&n[2].mul(&p[2])?);
     let first = height(&points[0])?;
     points[1..].iter().try_fold([first.clone(), first], |[low, high], p| {
