@@ -47,7 +47,7 @@ fn ours(group: &mut common::Group, kind: Kind, n: usize) {
     let ids = scene
         .boxes
         .iter()
-        .filter_map(|b| broad.insert(b, BodyOptions::moving()).ok());
+        .filter_map(|b| broad.insert(b, BodyOptions::default()).ok());
     let ids: Vec<BodyId> = ids.collect();
     assert_eq!(ids.len(), n);
     broad.step();
@@ -109,7 +109,7 @@ fn build(criterion: &mut Criterion) {
             bencher.iter(|| {
                 let mut broad = SweepAndPrune::new();
                 let boxes = scene.boxes.iter();
-                boxes.for_each(|b| assert!(broad.insert(b, BodyOptions::moving()).is_ok()));
+                boxes.for_each(|b| assert!(broad.insert(b, BodyOptions::default()).is_ok()));
                 broad.step().began.len()
             });
         });

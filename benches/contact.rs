@@ -46,7 +46,7 @@ fn ours(group: &mut Group, s: &Scene, n: usize) {
         pair.closest_with_local_depth(&s.a, &s.b, pose)
     });
     let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
-    let options = ManifoldOptions::with_prediction(PREDICTION);
+    let options = ManifoldOptions::default().prediction(PREDICTION);
     each(group, "ours, manifold", n, &poses, |pose| {
         pair.manifold(&s.a, &s.b, pose, &options, &mut manifold);
         manifold.points().len()

@@ -10,7 +10,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // One tracker and one manifold for each pair of bodies.
     let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
     // Points at most this far apart count, so that a solver receives them before they touch.
-    let options = ManifoldOptions::with_prediction(0.01);
+    let options = ManifoldOptions::default().prediction(0.01);
     for frame in 0..8 {
         let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, 0.4);
         let position = Translation3::new(0.45 + 0.08 * f64::from(frame), 0.1, 0.399);

@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             found.state, found.distance, found.lower, found.upper
         );
         println!(", on triangle {}", found.locations[0].subshape);
-        for group in pair.contacts(&bracket, &block, &pose, &ManifoldOptions::with_prediction(1e-3))? {
+        for group in pair.contacts(&bracket, &block, &pose, &ManifoldOptions::default().prediction(1e-3))? {
             let n = group.normal;
             let deepest = group
                 .contacts

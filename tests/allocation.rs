@@ -79,7 +79,7 @@ fn queries_below_the_exact_rung_allocate_nothing() {
             let lean = lean.min().unwrap();
             // A manifold allocates no more than the outcome that it is made from, and nothing again
             // at the same pose.
-            let options = ManifoldOptions::with_prediction(0.1);
+            let options = ManifoldOptions::default().prediction(0.1);
             let [mut answered, mut made, mut kept] = [usize::MAX; 3];
             let mut manifolds = [(); 3].map(|()| Manifold::new());
             for m in &mut manifolds {

@@ -309,7 +309,7 @@ fn judge(seed: u64, count: usize) {
         );
         assert!(!tracker.within(&floor, &case.geometry, &pose, f64::NAN), "{told}");
         assert!(!tracker.within(&floor, &case.geometry, &pose, -1.0), "{told}");
-        let flat = QueryOptions::new().depth(DepthMode::None);
+        let flat = QueryOptions::default().depth(DepthMode::None);
         let without = tracker.closest_with(&floor, &case.geometry, &pose, &flat);
         if found.state == ContactState::Overlapping {
             assert_eq!((without.distance, without.upper), (0.0, 0.0), "{told}");
@@ -454,7 +454,7 @@ fn bezier_surfaces_have_an_interval() {
             t: rng.unit(),
         };
         let at = RelativePose::from_isometry(&pose.isometry()).expect("a pose");
-        let narrow = QueryOptions::new().width(1e-10);
+        let narrow = QueryOptions::default().width(1e-10);
         let mut tracker = PairTracker::new();
         let found = tracker.closest_with(&space, &surface, &at, &narrow);
         assert!(
@@ -472,18 +472,18 @@ fn bezier_surfaces_have_an_interval() {
         let [u, v] = found.locations[1].parameters;
         assert!((height(u, v) - found.distance).abs() < 1e-13, "{k} {found:?}");
         // Few splits give a wide interval that contains the narrow one.
-        let wide = tracker.closest_with(&space, &surface, &at, &QueryOptions::new().width(0.0).splits(3));
+        let wide = tracker.closest_with(&space, &surface, &at, &QueryOptions::default().width(0.0).splits(3));
         assert!(wide.lower <= found.upper && found.lower <= wide.upper, "{k} {wide:?}");
         assert!(
             tracker
-                .decide_within(&space, &surface, &at, found.upper + 1e-9, &QueryOptions::new())
+                .decide_within(&space, &surface, &at, found.upper + 1e-9, &QueryOptions::default())
                 .is_yes()
                 || found.upper < -1e-9
         );
         assert!(
             found.lower < 2e-9
                 || tracker
-                    .decide_within(&space, &surface, &at, found.lower - 1e-9, &QueryOptions::new())
+                    .decide_within(&space, &surface, &at, found.lower - 1e-9, &QueryOptions::default())
                     .is_no()
         );
     }
@@ -533,7 +533,7 @@ fn half_spaces_overlap_unless_their_normals_are_opposite() {
     );
     assert!(
         tracker
-            .contacts(&floor, &wall, &still, &ManifoldOptions::with_prediction(1.0))
+            .contacts(&floor, &wall, &still, &ManifoldOptions::default().prediction(1.0))
             .unwrap()
             .is_empty()
     );
@@ -642,7 +642,7 @@ fn bodies_at_rest_stand_on_their_contacts() {
         })
         .into();
     let table = Compound::new(legs).expect("a table");
-    let options = ManifoldOptions::with_prediction(0.02);
+    let options = ManifoldOptions::default().prediction(0.02);
     let bodies = [
         (Geometry::from(die.clone()), 4, 1.0),
         (Geometry::from(Shape::from(die.clone()).rounded(0.25).unwrap()), 4, 1.25),
@@ -775,7 +775,11 @@ fn scenes_have_floors() {
         .features(true)
         .depth(true);
     scene
-        .set_queries(all, moving, queries.manifold(ManifoldOptions::with_prediction(0.02)))
+        .set_queries(
+            all,
+            moving,
+            queries.manifold(ManifoldOptions::default().prediction(0.02)),
+        )
         .unwrap();
     let tilted = HalfSpace::new(Vector3::new(0.1, 0.0, 1.0), -50.0).unwrap();
     let floor = HalfSpace::new(Vector3::z(), 0.0).unwrap();

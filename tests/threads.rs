@@ -31,7 +31,7 @@ fn run(kind: Kind, threads: usize) -> Vec<Told> {
     let mut scene = Scene::new(kind, 1500);
     let from = if threads == 1 { usize::MAX } else { 0 };
     let mut broad = SweepAndPrune::with_settings(Settings::default().parallel_from(from));
-    let insert = |broad: &mut SweepAndPrune, aabb: &Aabb| broad.insert(aabb, BodyOptions::moving()).unwrap();
+    let insert = |broad: &mut SweepAndPrune, aabb: &Aabb| broad.insert(aabb, BodyOptions::default()).unwrap();
     let mut ids: Vec<BodyId> = scene.boxes.iter().map(|b| insert(&mut broad, b)).collect();
     let step = |step: usize| {
         scene.step();

@@ -12,16 +12,16 @@ fn body_without_index(mut broad: SweepAndPrune) {
     broad.state.bodies.most = 2;
     let [a, b] = [0.0, 0.5].map(|x| {
         broad
-            .insert(&cube(x), BodyOptions::moving())
+            .insert(&cube(x), BodyOptions::default())
             .expect("there is room for two")
     });
     for _ in 0..2 {
         assert_eq!(
-            broad.insert(&cube(0.2), BodyOptions::moving()),
+            broad.insert(&cube(0.2), BodyOptions::default()),
             Err(BroadPhaseError::TooManyBodies)
         );
         assert_eq!(
-            broad.insert_unbounded(&Aabb::everything(), BodyOptions::fixed()),
+            broad.insert_unbounded(&Aabb::everything(), BodyOptions::default().fixed(true)),
             Err(BroadPhaseError::TooManyBodies)
         );
         broad.step();
@@ -30,12 +30,12 @@ fn body_without_index(mut broad: SweepAndPrune) {
     broad.remove(b).expect("it is there");
     // The index is free once the step has reported that the pairs of its body ended.
     assert_eq!(
-        broad.insert(&cube(0.2), BodyOptions::moving()),
+        broad.insert(&cube(0.2), BodyOptions::default()),
         Err(BroadPhaseError::TooManyBodies)
     );
     assert_eq!(broad.step().ended.len(), 1);
     let again = broad
-        .insert(&cube(0.2), BodyOptions::moving())
+        .insert(&cube(0.2), BodyOptions::default())
         .expect("there is room again");
     assert!(again.index == b.index && again != b);
 }
@@ -48,7 +48,7 @@ fn a_body_without_an_index_is_refused_and_changes_nothing() {
 fn pairs_without_slot(mut broad: SweepAndPrune) {
     broad.state.pairs.most = Most(2);
     let ids: [BodyId; 4] =
-        [0.0, 0.1, 0.2, 9.0].map(|x| broad.insert(&cube(x), BodyOptions::moving()).expect("a sound box"));
+        [0.0, 0.1, 0.2, 9.0].map(|x| broad.insert(&cube(x), BodyOptions::default()).expect("a sound box"));
     let [a, b, c, d] = ids;
     let told = broad.step();
     let named = |pairs: &[super::Pair]| pairs.iter().map(|p| (p.a, p.b)).collect::<alloc::vec::Vec<_>>();
@@ -83,7 +83,7 @@ fn pairs_without_a_slot_are_told_and_change_nothing() {
 }
 
 fn last_generation(mut broad: SweepAndPrune) {
-    let first = broad.insert(&cube(0.0), BodyOptions::moving()).expect("there is room");
+    let first = broad.insert(&cube(0.0), BodyOptions::default()).expect("there is room");
     let last = BodyId {
         generation: u32::MAX - 2,
         ..first
@@ -92,7 +92,7 @@ fn last_generation(mut broad: SweepAndPrune) {
     slots.set_generation(first.index, last.generation);
     broad.remove(last).expect("it is there");
     broad.step();
-    let next = broad.insert(&cube(0.0), BodyOptions::moving()).expect("there is room");
+    let next = broad.insert(&cube(0.0), BodyOptions::default()).expect("there is room");
     assert_ne!(next.index, last.index);
     assert!(!broad.contains(first) && !broad.contains(last));
 }
@@ -106,9 +106,11 @@ fn an_index_of_the_last_generation_is_not_given_again() {
 /// wrap-around.
 fn last_step(mut broad: SweepAndPrune) {
     for x in [0.0, 0.1, 9.0] {
-        broad.insert(&cube(x), BodyOptions::moving()).expect("there is room");
+        broad.insert(&cube(x), BodyOptions::default()).expect("there is room");
     }
-    let mover = broad.insert(&cube(20.0), BodyOptions::moving()).expect("there is room");
+    let mover = broad
+        .insert(&cube(20.0), BodyOptions::default())
+        .expect("there is room");
     assert_eq!(broad.step().began.len(), 1);
     broad.state.bodies.step = u32::MAX;
     for x in [21.0, 22.0, 9.1, 22.0] {

@@ -8,8 +8,8 @@
 //! let half = Vector3::repeat(0.5);
 //! let cube = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), half);
 //! let mut broad = SweepAndPrune::new();
-//! let a = broad.insert(&cube(0.0), BodyOptions::moving())?;
-//! let b = broad.insert(&cube(3.0), BodyOptions::moving())?;
+//! let a = broad.insert(&cube(0.0), BodyOptions::default())?;
+//! let b = broad.insert(&cube(3.0), BodyOptions::default())?;
 //! assert!(broad.step().began.is_empty());
 //!
 //! broad.set_box(b, &cube(1.0))?; // touching boxes are a pair

@@ -58,16 +58,8 @@ pub struct BodyOptions {
 }
 
 impl Default for BodyOptions {
-    /// A moving body.
+    /// A body that moves, with a tight box, and pairs with everything.
     fn default() -> Self {
-        Self::moving()
-    }
-}
-
-impl BodyOptions {
-    /// Returns a body that moves, with a tight box, and pairs with everything.
-    #[must_use]
-    pub fn moving() -> Self {
         Self {
             groups: Groups::ALL,
             fixed: false,
@@ -75,14 +67,13 @@ impl BodyOptions {
             lookahead: 0.0,
         }
     }
+}
 
-    /// Returns a fixed body that pairs with everything that moves.
+impl BodyOptions {
+    /// Returns the body fixed or not. Fixed bodies pair with bodies that move.
     #[must_use]
-    pub fn fixed() -> Self {
-        Self {
-            fixed: true,
-            ..Self::moving()
-        }
+    pub fn fixed(self, fixed: bool) -> Self {
+        Self { fixed, ..self }
     }
 
     /// Returns the body with other groups.

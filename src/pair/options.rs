@@ -9,8 +9,8 @@ use super::outcome::DepthMode;
 /// ```
 /// use lin_canny::{QueryOptions, DepthMode};
 ///
-/// let narrow = QueryOptions::new().width(1e-9).splits(100_000);
-/// let quick = QueryOptions::new().depth(DepthMode::None);
+/// let narrow = QueryOptions::default().width(1e-9).splits(100_000);
+/// let quick = QueryOptions::default().depth(DepthMode::None);
 /// assert_ne!(narrow, quick);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,16 +45,6 @@ pub struct QueryOptions {
 }
 
 impl QueryOptions {
-    /// Returns the default options: full depths, default width and default budget.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            depth: DepthMode::Full,
-            width: None,
-            splits: None,
-        }
-    }
-
     /// Returns the options with another depth mode for overlaps of convex geometries.
     #[must_use]
     pub const fn depth(mut self, depth: DepthMode) -> Self {

@@ -229,7 +229,7 @@ impl PairTracker {
     /// let at = Isometry3::translation(0.1, 0.0, 1.49);
     /// let at = RelativePose::from_isometry(&at)?;
     /// let mut tracker = PairTracker::new();
-    /// let options = ManifoldOptions::with_prediction(0.02);
+    /// let options = ManifoldOptions::default().prediction(0.02);
     /// let found = tracker.contacts(&floor, &die, &at, &options)?;
     /// assert_eq!((found.len(), found[0].contacts.len()), (1, 4));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -294,7 +294,7 @@ impl PairTracker {
     /// let at = Isometry3::translation(0.1, 0.0, 1.49);
     /// let at = RelativePose::from_isometry(&at)?;
     /// let mut tracker = PairTracker::new();
-    /// let options = ManifoldOptions::with_prediction(0.02);
+    /// let options = ManifoldOptions::default().prediction(0.02);
     /// let found = tracker.contacts_between(&floor, &die, &at, &options);
     /// assert_eq!((found.len(), found[0].contacts.len()), (1, 4));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -385,7 +385,7 @@ impl PairTracker {
     /// let mut tracker = PairTracker::new();
     /// let wide = tracker.penetration(&slot, &bar, &at).expect("solids");
     /// assert!(wide.lower < 0.3 && wide.upper >= 1.7);
-    /// let options = QueryOptions::new().width(0.1);
+    /// let options = QueryOptions::default().width(0.1);
     /// let narrow = tracker.penetration_with(&slot, &bar, &at, &options);
     /// let narrow = narrow.expect("solids");
     /// assert!(narrow.lower <= 1.7 && 1.7 <= narrow.upper);

@@ -135,7 +135,7 @@ impl PairTracker {
     /// let mut tracker = PairTracker::new();
     /// let mut cast = |v: Vector3<f64>| {
     ///     let (a, b) = ((&table).into(), (&part).into());
-    ///     let options = CastOptions::new(Tolerance::Distance(1e-9));
+    ///     let options = CastOptions::default().tolerance(Tolerance::Distance(1e-9));
     ///     let options = options.start_contact_margin(1e-3);
     ///     let moving = moving(v).expect("a finite velocity");
     ///     let time = 0.0..1.0;
@@ -314,7 +314,7 @@ impl<A: Motion + ?Sized, B: Motion + ?Sized> Leaving<'_, A, B> {
             self.proofs += 1;
             if self
                 .tracker
-                .decide_within(a, b, &pose, margin, &QueryOptions::new())
+                .decide_within(a, b, &pose, margin, &QueryOptions::default())
                 .is_no()
             {
                 return Ok(Some(time));

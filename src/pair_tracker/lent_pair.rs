@@ -94,7 +94,7 @@ impl<'p> LentPair<'p> {
             let (a, b, tracker) = pair.sides();
             tracker.decides_within(a, b, pose, outcome, d)
         } else {
-            !self.decide_within(pose, d, &QueryOptions::new()).is_no()
+            !self.decide_within(pose, d, &QueryOptions::default()).is_no()
         }
     }
 
@@ -105,7 +105,7 @@ impl<'p> LentPair<'p> {
             Self::Pieces(pair) => pair.tracker.lower_bound(&pair.a, &pair.b, pose),
             #[cfg(feature = "meshes")]
             Self::Meshes(pair) => pair.tracker.lower_bound(pair.a, pair.b, pose),
-            _ => self.closest_with(pose, &QueryOptions::new()).lower.at_least(0.0),
+            _ => self.closest_with(pose, &QueryOptions::default()).lower.at_least(0.0),
         }
     }
 
@@ -272,11 +272,11 @@ impl Separation for BallPair {
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
-        Measurement::from(&self.closest_with(a_from_b, &QueryOptions::new()))
+        Measurement::from(&self.closest_with(a_from_b, &QueryOptions::default()))
     }
 
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measurement) -> bool {
-        self.closest_with(a_from_b, &QueryOptions::new()).upper <= distance
+        self.closest_with(a_from_b, &QueryOptions::default()).upper <= distance
     }
 
     fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {

@@ -122,7 +122,7 @@ impl PairTracker {
         let followed = self.follow_by(pair, || of_pieces(bodies));
         match followed.engine.lend(bodies) {
             LentPair::Pieces(CompoundPair { a, b, tracker }) => bounds(&tracker.closest(&a, &b, a_from_b), &b),
-            mut other => Distance::from(&other.closest_with(a_from_b, &QueryOptions::new())),
+            mut other => Distance::from(&other.closest_with(a_from_b, &QueryOptions::default())),
         }
     }
 }

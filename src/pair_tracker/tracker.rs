@@ -233,7 +233,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
     ) -> PairOutcome {
-        self.closest_with(a, b, a_from_b, &QueryOptions::new())
+        self.closest_with(a, b, a_from_b, &QueryOptions::default())
     }
 
     /// Returns the closest points as [`closest`](Self::closest) does, with the options of a query.
@@ -254,7 +254,7 @@ impl PairTracker {
     /// let ball = Shape::ball(0.5)?;
     /// let pose = Isometry3::translation(0.1, 0.0, 2.0);
     /// let pose = RelativePose::from_isometry(&pose)?;
-    /// let narrow = QueryOptions::new().width(1e-9);
+    /// let narrow = QueryOptions::default().width(1e-9);
     /// let mut tracker = PairTracker::new();
     /// let answer = tracker.closest_with(&dome, &ball, &pose, &narrow);
     /// assert!(answer.is_converged && answer.upper - answer.lower <= 1e-9);
@@ -338,7 +338,7 @@ impl PairTracker {
         a_from_b: &RelativePose,
         d: f64,
     ) -> bool {
-        !self.decide_within(a, b, a_from_b, d, &QueryOptions::new()).is_no()
+        !self.decide_within(a, b, a_from_b, d, &QueryOptions::default()).is_no()
     }
 
     /// Decides whether the geometries are at most `d` apart, with three possible results.
@@ -566,7 +566,7 @@ impl PairTracker {
     /// let can = Shape::cylinder(0.5, 0.25)?;
     /// let at = RelativePose::from_isometry(&Isometry3::translation(1.0, 2.0, 1.51))?;
     /// let (mut tracker, mut manifold) = (PairTracker::new(), Manifold::new());
-    /// let options = ManifoldOptions::with_prediction(0.02);
+    /// let options = ManifoldOptions::default().prediction(0.02);
     /// tracker.manifold(&floor, &can, &at, &options, &mut manifold)?;
     /// assert_eq!(manifold.points().len(), 4);
     /// assert!(manifold.points().iter().all(|p| (p.separation - 0.01).abs() < 1e-12));

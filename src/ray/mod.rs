@@ -423,7 +423,7 @@ fn crossing(body: GeometryRef, pose: &Isometry3<f64>, ray: &Ray, [safe, until]: 
     (0..RAY_CROSSINGS).find_map(|k| {
         let end = (safe + width * f64::from(1u32 << k)).smaller(until);
         let piece = ConvexPolyhedron::segment(place(safe), place(end)).ok()?;
-        let meets = tracker.decide_within(body, &piece, &rest, 0.0, &QueryOptions::new());
+        let meets = tracker.decide_within(body, &piece, &rest, 0.0, &QueryOptions::default());
         let is_proven = meets.is_yes() && (!is_union(body) || tracker.closest(body, &piece, &rest).upper <= 0.0);
         is_proven.then_some(end)
     })

@@ -372,9 +372,9 @@ impl Scene {
         let groups = self.groups_of(solid.group);
         let growth = self.growths[solid.group.index()];
         let kind = if solid.fixed {
-            broad::BodyOptions::fixed()
+            broad::BodyOptions::default().fixed(true)
         } else {
-            broad::BodyOptions::moving()
+            broad::BodyOptions::default()
         };
         let kind = kind.groups(groups);
         solid.boxed = growth < f64::INFINITY;

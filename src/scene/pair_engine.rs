@@ -203,7 +203,7 @@ impl PairEngine for MixedPair {
         let answer = self
             .engine
             .lend(shapes)
-            .closest_with(pose, &QueryOptions::new().depth(until));
+            .closest_with(pose, &QueryOptions::default().depth(until));
         self.parts = answer.parts();
         answer.outcome
     }

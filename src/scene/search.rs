@@ -248,7 +248,7 @@ pub(super) struct PairQuery<'a> {
 
 impl PairQuery<'_> {
     pub(super) fn measure(&mut self, until: DepthMode) -> PairOutcome {
-        let question = QueryOptions::new().depth(until);
+        let question = QueryOptions::default().depth(until);
         self.engine.lend(self.shapes).closest_with(&self.pose, &question)
     }
 

@@ -106,7 +106,7 @@ fn run(kind: Kind, n: usize, steps: usize, body: BodyOptions) -> usize {
 fn every_scene_equals_brute_force_on_every_frame() {
     for kind in Kind::ALL {
         for n in [3, 40, 700] {
-            let seen = run(kind, n, 40, BodyOptions::moving());
+            let seen = run(kind, n, 40, BodyOptions::default());
             assert!(n < 700 || seen > 500, "{} hardly has pairs: {seen}", kind.name());
         }
     }
@@ -115,8 +115,8 @@ fn every_scene_equals_brute_force_on_every_frame() {
 #[test]
 fn margins_change_boxes_but_not_the_definition() {
     for kind in [Kind::Uniform, Kind::Pile, Kind::Movers, Kind::Teleport, Kind::Mixed] {
-        run(kind, 400, 60, BodyOptions::moving().margin(0.04));
-        run(kind, 400, 60, BodyOptions::moving().margin(0.02).lookahead(5.0));
+        run(kind, 400, 60, BodyOptions::default().margin(0.04));
+        run(kind, 400, 60, BodyOptions::default().margin(0.02).lookahead(5.0));
     }
 }
 
@@ -124,7 +124,7 @@ fn margins_change_boxes_but_not_the_definition() {
 fn margins_hold_the_given_box() {
     let mut scene = Scene::new(Kind::UniformSlow, 300);
     let mut broad = SweepAndPrune::new();
-    let body = BodyOptions::moving().margin(0.03).lookahead(2.0);
+    let body = BodyOptions::default().margin(0.03).lookahead(2.0);
     let ids: Vec<BodyId> = scene.boxes.iter().map(|b| broad.insert(b, body).unwrap()).collect();
     let mut kept = 0;
     for _ in 0..30 {
@@ -159,9 +159,9 @@ fn inserting_and_removing_bodies_equals_brute_force() {
         for _ in 0..come {
             let aabb = anywhere(&mut random);
             let body = if random.below(4) == 0 {
-                BodyOptions::fixed()
+                BodyOptions::default().fixed(true)
             } else {
-                BodyOptions::moving()
+                BodyOptions::default()
             };
             ids.push(fed.broad.insert(&aabb, body).unwrap());
         }
@@ -185,17 +185,20 @@ fn unbounded_bodies_pair_with_what_they_reach() {
     let ids: Vec<BodyId> = scene
         .boxes
         .iter()
-        .map(|b| fed.broad.insert(b, BodyOptions::moving()).unwrap())
+        .map(|b| fed.broad.insert(b, BodyOptions::default()).unwrap())
         .collect();
     let mut below = Aabb::everything();
     below.max.z = 0.0;
-    let ground = fed.broad.insert_unbounded(&below, BodyOptions::fixed()).unwrap();
+    let ground = fed
+        .broad
+        .insert_unbounded(&below, BodyOptions::default().fixed(true))
+        .unwrap();
     let all = fed
         .broad
-        .insert_unbounded(&Aabb::everything(), BodyOptions::moving())
+        .insert_unbounded(&Aabb::everything(), BodyOptions::default())
         .unwrap();
     let far = Aabb::from_center(Point3::new(1e300, -1e300, 1e200), Vector3::repeat(1.0));
-    fed.broad.insert(&far, BodyOptions::moving()).unwrap();
+    fed.broad.insert(&far, BodyOptions::default()).unwrap();
     for step in 0..30 {
         scene.step();
         for (id, aabb) in ids.iter().zip(&scene.boxes).filter(|(id, _)| id.index % 3 == step % 3) {
@@ -236,7 +239,7 @@ fn far_bodies_work() {
         .collect();
     let ids: Vec<BodyId> = boxes
         .iter()
-        .map(|b| fed.broad.insert(b, BodyOptions::moving()).unwrap())
+        .map(|b| fed.broad.insert(b, BodyOptions::default()).unwrap())
         .collect();
     for step in 0..20 {
         fed.step();
@@ -258,10 +261,10 @@ fn an_origin_keeps_far_scenes_fine() {
         // Multiples of 1/256, so that moving them does not round.
         let snap = |p: Point3<f64>| p.map(|v| (v * 256.0).round() / 256.0);
         let aabb = Aabb::new(snap(aabb.min), snap(aabb.max));
-        near.insert(&aabb, BodyOptions::moving()).unwrap();
+        near.insert(&aabb, BodyOptions::default()).unwrap();
         far.insert(
             &Aabb::new(aabb.min + origin.coords, aabb.max + origin.coords),
-            BodyOptions::moving(),
+            BodyOptions::default(),
         )
         .unwrap();
     }
@@ -272,7 +275,7 @@ fn an_origin_keeps_far_scenes_fine() {
 fn refused_calls_name_the_body_and_change_nothing() {
     let mut fed = Fed::new();
     let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(0.5));
-    let [a, b] = [0; 2].map(|_| fed.broad.insert(&cube, BodyOptions::moving()).unwrap());
+    let [a, b] = [0; 2].map(|_| fed.broad.insert(&cube, BodyOptions::default()).unwrap());
     fed.step();
     for axis in 0..3 {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -281,7 +284,7 @@ fn refused_calls_name_the_body_and_change_nothing() {
             let error = Err(BroadPhaseError::NonFinite { body: Some(b), axis });
             assert_eq!(fed.broad.set_box(b, &broken), error);
             assert_eq!(
-                fed.broad.insert(&broken, BodyOptions::moving()),
+                fed.broad.insert(&broken, BodyOptions::default()),
                 Err(BroadPhaseError::NonFinite { body: None, axis })
             );
         }
@@ -309,7 +312,7 @@ fn refused_calls_name_the_body_and_change_nothing() {
         Err(BroadPhaseError::StaleId { body: unknown })
     );
     assert_eq!(
-        fed.broad.insert(&cube, BodyOptions::moving().margin(-1.0)),
+        fed.broad.insert(&cube, BodyOptions::default().margin(-1.0)),
         Err(BroadPhaseError::Margin {
             what: "margin",
             value: -1.0
@@ -333,16 +336,18 @@ fn refused_calls_name_the_body_and_change_nothing() {
 fn touching_and_flat_boxes_are_pairs() {
     let mut fed = Fed::new();
     let unit = |x: f64, y: f64, z: f64| Aabb::new(Point3::new(x, y, z), Point3::new(x + 1.0, y + 1.0, z + 1.0));
-    fed.broad.insert(&unit(0.0, 0.0, 0.0), BodyOptions::moving()).unwrap();
-    fed.broad.insert(&unit(1.0, 1.0, 1.0), BodyOptions::moving()).unwrap();
+    fed.broad.insert(&unit(0.0, 0.0, 0.0), BodyOptions::default()).unwrap();
+    fed.broad.insert(&unit(1.0, 1.0, 1.0), BodyOptions::default()).unwrap();
     let point = Point3::new(2.0, 2.0, 2.0);
     fed.broad
-        .insert(&Aabb::new(point, point), BodyOptions::moving())
+        .insert(&Aabb::new(point, point), BodyOptions::default())
         .unwrap();
     fed.broad
-        .insert(&Aabb::new(point, point), BodyOptions::moving())
+        .insert(&Aabb::new(point, point), BodyOptions::default())
         .unwrap();
-    fed.broad.insert(&unit(-0.0, -1.0, 0.0), BodyOptions::moving()).unwrap();
+    fed.broad
+        .insert(&unit(-0.0, -1.0, 0.0), BodyOptions::default())
+        .unwrap();
     fed.step();
     // The pairs: touching vertex, point on vertex (twice), point on point, touching face.
     assert_eq!(fed.broad.pair_count(), 5);
@@ -363,10 +368,14 @@ fn groups_filters_and_fixed_bodies() {
     };
     let mut fed = Fed::new();
     let r: Vec<BodyId> = (0..3)
-        .map(|_| fed.broad.insert(&cube, BodyOptions::moving().groups(robot)).unwrap())
+        .map(|_| fed.broad.insert(&cube, BodyOptions::default().groups(robot)).unwrap())
         .collect();
     let c: Vec<BodyId> = (0..3)
-        .map(|_| fed.broad.insert(&cube, BodyOptions::fixed().groups(cell)).unwrap())
+        .map(|_| {
+            fed.broad
+                .insert(&cube, BodyOptions::default().fixed(true).groups(cell))
+                .unwrap()
+        })
         .collect();
     fed.step();
     assert_eq!(fed.broad.pair_count(), 9);
@@ -398,15 +407,15 @@ fn groups_filters_and_fixed_bodies() {
 fn ids_and_slots_carry_generations() {
     let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(0.5));
     let mut fed = Fed::new();
-    let a = fed.broad.insert(&cube, BodyOptions::moving()).unwrap();
-    let b = fed.broad.insert(&cube, BodyOptions::moving()).unwrap();
+    let a = fed.broad.insert(&cube, BodyOptions::default()).unwrap();
+    let b = fed.broad.insert(&cube, BodyOptions::default()).unwrap();
     fed.step();
     let first = fed.broad.pair(a, b).unwrap();
     fed.broad.remove(b).unwrap();
-    let same_step = fed.broad.insert(&cube, BodyOptions::moving()).unwrap();
+    let same_step = fed.broad.insert(&cube, BodyOptions::default()).unwrap();
     assert_ne!(same_step.index, b.index, "an index rests until its pairs are reported");
     fed.step();
-    let c = fed.broad.insert(&cube, BodyOptions::moving()).unwrap();
+    let c = fed.broad.insert(&cube, BodyOptions::default()).unwrap();
     assert_eq!((c.index, c.generation), (b.index, b.generation + 2));
     fed.step();
     assert!(!fed.broad.contains(b) && fed.broad.pair_of(first.id).is_none());
@@ -425,12 +434,12 @@ fn permuted_ids_change_only_names() {
     let ids: Vec<BodyId> = scene
         .boxes
         .iter()
-        .map(|b| plain.insert(b, BodyOptions::moving()).unwrap())
+        .map(|b| plain.insert(b, BodyOptions::default()).unwrap())
         .collect();
     let mut inverse = vec![0; n];
     (0..n).for_each(|i| inverse[name(i)] = i);
     let others: Vec<BodyId> = (0..n)
-        .map(|k| other.insert(&scene.boxes[inverse[k]], BodyOptions::moving()).unwrap())
+        .map(|k| other.insert(&scene.boxes[inverse[k]], BodyOptions::default()).unwrap())
         .collect();
     for _ in 0..30 {
         let keys = |pairs: &[Pair], of: &dyn Fn(BodyId) -> usize| -> BTreeSet<(usize, usize)> {

@@ -74,14 +74,14 @@ fn wall(mut broad: SweepAndPrune, size: u32, gap: f64, replace: bool) {
     for x in 0..size {
         for y in 0..size {
             let aabb = brick(gap * f64::from(x), gap * f64::from(y));
-            wall.push(broad.insert(&aabb, BodyOptions::moving()).unwrap());
+            wall.push(broad.insert(&aabb, BodyOptions::default()).unwrap());
         }
     }
     broad.step();
     if replace {
         broad.remove(wall[0]).unwrap();
         broad.step();
-        wall[0] = broad.insert(&brick(0.0, 0.0), BodyOptions::moving()).unwrap();
+        wall[0] = broad.insert(&brick(0.0, 0.0), BodyOptions::default()).unwrap();
     } else {
         broad.set_box(wall[0], &brick(-50.0, 40.0)).unwrap();
         broad.step();

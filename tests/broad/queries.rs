@@ -11,11 +11,15 @@ fn ask(kind: Kind) -> usize {
     let mut ids: Vec<BodyId> = scene
         .boxes
         .iter()
-        .map(|b| broad.insert(b, BodyOptions::moving()).unwrap())
+        .map(|b| broad.insert(b, BodyOptions::default()).unwrap())
         .collect();
     let mut ground = Aabb::everything();
     ground.max.z = -2.0;
-    ids.push(broad.insert_unbounded(&ground, BodyOptions::fixed()).unwrap());
+    ids.push(
+        broad
+            .insert_unbounded(&ground, BodyOptions::default().fixed(true))
+            .unwrap(),
+    );
     let (mut random, mut seen) = (Rng::new(3), 0);
     for _ in 0..8 {
         broad.step();
@@ -73,7 +77,7 @@ fn nearest_of_few_ends() {
     let mut broad = SweepAndPrune::new();
     let cube = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), Vector3::repeat(0.5));
     assert!(broad.nearest(&cube(0.0), 3, f64::INFINITY).unwrap().is_empty());
-    let id = broad.insert(&cube(1e6), BodyOptions::moving()).unwrap();
+    let id = broad.insert(&cube(1e6), BodyOptions::default()).unwrap();
     broad.step();
     let near = broad.nearest(&cube(0.0), 3, f64::INFINITY).unwrap();
     assert_eq!(near.len(), 1);
@@ -93,7 +97,7 @@ fn same_pairs_as_the_tree_of_parry() {
         let ids: Vec<BodyId> = scene
             .boxes
             .iter()
-            .map(|b| broad.insert(b, BodyOptions::moving()).unwrap())
+            .map(|b| broad.insert(b, BodyOptions::default()).unwrap())
             .collect();
         for _ in 0..5 {
             broad.step();

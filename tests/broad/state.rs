@@ -23,7 +23,7 @@ fn feed(broad: &mut SweepAndPrune, ids: &mut Vec<BodyId>, scene: &Scene, random:
             Point3::from(Vector3::from(random.in_ball()) * 4.0),
             Vector3::repeat(0.7),
         );
-        ids.push(broad.insert(&aabb, BodyOptions::moving().margin(0.1)).unwrap());
+        ids.push(broad.insert(&aabb, BodyOptions::default().margin(0.1)).unwrap());
     }
 }
 
@@ -32,11 +32,11 @@ fn goes_on(mut broad: SweepAndPrune, n: usize) {
     let mut ids: Vec<BodyId> = scene
         .boxes
         .iter()
-        .map(|b| broad.insert(b, BodyOptions::moving()).unwrap())
+        .map(|b| broad.insert(b, BodyOptions::default()).unwrap())
         .collect();
     ids.push(
         broad
-            .insert_unbounded(&Aabb::everything(), BodyOptions::fixed())
+            .insert_unbounded(&Aabb::everything(), BodyOptions::default().fixed(true))
             .unwrap(),
     );
     let mut random = Rng::new(5);
@@ -71,7 +71,7 @@ fn damaged_text_is_refused_or_harmless() {
     let ids: Vec<_> = scene
         .boxes
         .iter()
-        .map(|b| broad.insert(b, BodyOptions::moving()).unwrap())
+        .map(|b| broad.insert(b, BodyOptions::default()).unwrap())
         .collect();
     broad.step();
     broad.remove(ids[3]).unwrap();
@@ -91,7 +91,7 @@ fn damaged_text_is_refused_or_harmless() {
             accepted += 1;
             read.step();
             let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(1.0));
-            let id = read.insert(&cube, BodyOptions::moving()).unwrap();
+            let id = read.insert(&cube, BodyOptions::default()).unwrap();
             read.step();
             let _ = read.set_box(ids[5], &cube);
             read.remove(id).unwrap();

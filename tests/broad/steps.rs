@@ -18,7 +18,7 @@ fn scanned(mut boxes: Vec<Aabb>, mut motion: impl FnMut(usize, usize, &Aabb) -> 
     let mut broad = SweepAndPrune::new();
     let ids: Vec<_> = boxes
         .iter()
-        .map(|b| broad.insert(b, BodyOptions::moving()).unwrap())
+        .map(|b| broad.insert(b, BodyOptions::default()).unwrap())
         .collect();
     let mut counts = Vec::new();
     for s in 0..24 {
@@ -176,7 +176,7 @@ fn change_after_calm(change: &Change, calm: usize) {
     let mut broad = SweepAndPrune::new();
     let ids: Vec<_> = centres
         .iter()
-        .map(|c| broad.insert(&boxed(c, 1.0), BodyOptions::moving()).unwrap())
+        .map(|c| broad.insert(&boxed(c, 1.0), BodyOptions::default()).unwrap())
         .collect();
     let mut counts = Vec::new();
     for s in 0..calm + change.steps {

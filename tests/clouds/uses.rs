@@ -56,7 +56,7 @@ fn contacts_are_on_the_elements() {
     let die = solids::cuboid(Vector3::repeat(0.25)).unwrap();
     let pose = RelativePose::from_isometry(&Isometry3::translation(0.05, 0.05, 0.345)).unwrap();
     let mut tracker = PairTracker::new();
-    let options = ManifoldOptions::with_prediction(0.01);
+    let options = ManifoldOptions::default().prediction(0.01);
     let found = tracker.contacts(&floor(), &die, &pose, &options).unwrap();
     assert!(!found.is_empty());
     let lowest = found
@@ -86,7 +86,7 @@ fn contacts_are_those_of_all_elements() {
         Geometry::from(Mesh::from_convex(&die).unwrap()),
         Geometry::from(Cloud::new(&points[..40], CloudElement::Ball(0.02)).unwrap()),
     ];
-    let options = ManifoldOptions::with_prediction(0.02);
+    let options = ManifoldOptions::default().prediction(0.02);
     let mut met = 0;
     for element in elements {
         let cloud = Cloud::new(&points, element).unwrap();

@@ -93,7 +93,7 @@ fn contacts_at_rest_stand_still() {
                 q: truth::pose::unit_quat(truth::pose::quat_mul(yaw, q)),
                 t: [0.2, -0.3, 0.5 + height + gap],
             };
-            let mut options = ManifoldOptions::with_prediction(0.01);
+            let mut options = ManifoldOptions::default().prediction(0.01);
             options.rebuild_motion = drift;
             let (a, b) = (floor.shape(), kind.shape());
             let (mut pair, mut manifold) = (PairTracker::new(), Manifold::new());
@@ -127,7 +127,7 @@ fn contacts_at_rest_stand_still() {
 #[test]
 fn caps_are_clipped_by_edges_and_by_caps() {
     let (can, floor) = (Kind::Cylinder(1.0, R), plate());
-    let mut options = ManifoldOptions::with_prediction(0.01);
+    let mut options = ManifoldOptions::default().prediction(0.01);
     options.max_points = 8;
     let contacts = |a: &Kind, t: [f64; 3]| {
         let q = truth::pose::quat([0.0, 0.0, 1.0], 0.1);
@@ -201,7 +201,7 @@ fn contacts_of_all_pairs_are_sound_in_full() {
 /// and how many overlapped.
 fn sound_contacts(seed: u64, names: &[&str], count: usize) -> ([usize; 9], u32) {
     let (mut rng, mut counts, mut overlapping) = (Rng::new(seed), [0; 9], 0);
-    let options = ManifoldOptions::with_prediction(0.02);
+    let options = ManifoldOptions::default().prediction(0.02);
     for k in 0..count {
         let kinds = [0, 1].map(|_| Kind::random(names[rng.below(names.len())], &mut rng, 4.0));
         if matches!(kinds, [Kind::Hull(_), Kind::Hull(_)]) {
@@ -263,13 +263,19 @@ fn rounded_polyhedra_have_the_contacts_of_their_cores() {
             t: [0.003 * f64::from(k), 0.1, 0.8 + 0.375 + rng.range(-0.01, 0.02)],
         };
         let pose = place.pose();
-        pair.manifold(&a, &b, &pose, &ManifoldOptions::with_prediction(0.01), &mut manifold)
-            .unwrap();
+        pair.manifold(
+            &a,
+            &b,
+            &pose,
+            &ManifoldOptions::default().prediction(0.01),
+            &mut manifold,
+        )
+        .unwrap();
         cores.manifold(
             &floor,
             &core,
             &pose,
-            &ManifoldOptions::with_prediction(0.385),
+            &ManifoldOptions::default().prediction(0.385),
             &mut of_cores,
         );
         assert_eq!(manifold.points().len(), of_cores.points().len());
@@ -303,7 +309,7 @@ fn rounded_polyhedra_have_the_contacts_of_their_cores() {
         &pill,
         &pill,
         &at.pose(),
-        &ManifoldOptions::with_prediction(0.01),
+        &ManifoldOptions::default().prediction(0.01),
         &mut manifold,
     )
     .unwrap();

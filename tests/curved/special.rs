@@ -44,7 +44,7 @@ fn a_face_flush_over_an_edge_is_a_gap_along_its_axis() {
             &x,
             &y,
             &place.pose(),
-            &ManifoldOptions::with_prediction(1e-6),
+            &ManifoldOptions::default().prediction(1e-6),
             &mut manifold,
         )
         .unwrap();

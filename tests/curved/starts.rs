@@ -129,7 +129,7 @@ fn local_depths_of_curved_shapes_part_them() {
             let (x, y, pose) = (a.shape(), b.shape(), next.pose());
             let before = PairTracker::new().closest(&x, &y, &place.pose());
             let full = PairTracker::new().closest(&x, &y, &pose);
-            let options = ManifoldOptions::with_prediction(0.0).local_depth(true);
+            let options = ManifoldOptions::default().prediction(0.0).local_depth(true);
             let mut manifold = Manifold::new();
             PairTracker::with_direction(&before.normal, &x, &y)
                 .manifold(&x, &y, &pose, &options, &mut manifold)

@@ -162,7 +162,7 @@ fn motions_through_contact_keep_class_and_bounds() {
 #[test]
 fn contacts_of_a_local_depth_are_no_deeper_than_the_bound() {
     let mut rng = Rng::new(523);
-    let mut options = ManifoldOptions::with_prediction(0.01);
+    let mut options = ManifoldOptions::default().prediction(0.01);
     (options.local_depth, options.rebuild_motion) = (true, 0.0);
     let (mut points, mut overlaps) = (0, 0);
     for _ in 0..30 {
@@ -198,7 +198,7 @@ fn contacts_of_a_local_depth_are_no_deeper_than_the_bound() {
                 &rounded[0],
                 &rounded[1],
                 &pose,
-                &QueryOptions::new().depth(DepthMode::Local),
+                &QueryOptions::default().depth(DepthMode::Local),
             );
             assert_eq!(o.state, truth.state, "{o:?} {truth:?}");
             assert!(o.lower <= truth.upper && truth.lower <= o.upper, "{o:?} {truth:?}");

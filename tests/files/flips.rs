@@ -89,10 +89,10 @@ fn a_broad_phase_with_one_number_changed_is_refused_or_sound() {
     fn filled(mut broad: SweepAndPrune) -> SweepAndPrune {
         let at = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), Vector3::repeat(0.5));
         let ids: Vec<_> = (0..6)
-            .map(|k| broad.insert(&at(0.7 * f64::from(k)), BodyOptions::moving()).unwrap())
+            .map(|k| broad.insert(&at(0.7 * f64::from(k)), BodyOptions::default()).unwrap())
             .collect();
         broad
-            .insert_unbounded(&Aabb::everything(), BodyOptions::fixed())
+            .insert_unbounded(&Aabb::everything(), BodyOptions::default().fixed(true))
             .unwrap();
         broad.step();
         broad.remove(ids[2]).unwrap();

@@ -130,7 +130,7 @@ pub(super) fn small_scene() -> (Scene, Vec<BodyId>) {
     let none = PairQueries::none();
     let mut scene = Scene::new();
     let near = none.overlap(true).distance(0.5).features(true);
-    let contacts = none.manifold(ManifoldOptions::with_prediction(0.1)).within(0.2);
+    let contacts = none.manifold(ManifoldOptions::default().prediction(0.1)).within(0.2);
     scene.set_queries(group(0), group(0), near).unwrap();
     scene.set_queries(group(0), group(1), contacts).unwrap();
     scene
@@ -193,7 +193,7 @@ fn numbers_changed_in_a_file_do_no_harm() {
     let (cube, flush, options) = (
         solids::cuboid(Vector3::repeat(0.5)).unwrap(),
         pose([0.3, 0.2, 0.99]),
-        ManifoldOptions::with_prediction(0.1),
+        ManifoldOptions::default().prediction(0.1),
     );
     pair.manifold(&cube, &cube, &flush, &options, &mut manifold);
     let read = survives(&manifold, 2000, 84, |mut manifold, _| {
@@ -217,7 +217,7 @@ fn use_broad(mut broad: SweepAndPrune) {
                 broad.set_box(id, &at(0.2 * k as f64))
             };
         }
-        let _ = broad.insert(&at(0.1), lin_canny::broad::BodyOptions::moving());
+        let _ = broad.insert(&at(0.1), lin_canny::broad::BodyOptions::default());
         broad.step();
     }
 }
@@ -227,7 +227,7 @@ fn numbers_changed_in_the_file_of_a_broad_phase_do_no_harm() {
     fn filled(mut broad: SweepAndPrune) -> SweepAndPrune {
         for k in 0..6 {
             let aabb = Aabb::from_center(Point3::new(0.7 * f64::from(k), 0.0, 0.0), Vector3::repeat(0.5));
-            broad.insert(&aabb, lin_canny::broad::BodyOptions::moving()).unwrap();
+            broad.insert(&aabb, lin_canny::broad::BodyOptions::default()).unwrap();
         }
         broad.step();
         broad

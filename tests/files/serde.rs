@@ -70,7 +70,7 @@ fn answers_come_back() {
 fn a_manifold_keeps_its_names() {
     let cube = solids::cuboid(lin_canny::nalgebra::Vector3::new(0.5, 0.5, 0.5)).expect("a body");
     let pose = support::shifted([0.3, 0.2, 0.99]);
-    let options = round_trip(&ManifoldOptions::with_prediction(0.1));
+    let options = round_trip(&ManifoldOptions::default().prediction(0.1));
     let (mut t, mut m) = (Tracker::new(), Manifold::new());
     t.manifold(&cube, &cube, &pose, &options, &mut m);
     assert_eq!(m.points().len(), 4);
@@ -126,7 +126,7 @@ fn what_is_infinite_comes_back() {
     let none = Manifold::new();
     assert!(none.lower() == f64::NEG_INFINITY && none.upper() == f64::INFINITY);
     round_trip(&none);
-    let mut options = ManifoldOptions::with_prediction(f64::INFINITY);
+    let mut options = ManifoldOptions::default().prediction(f64::INFINITY);
     (options.rebuild_motion, options.reselect_motion, options.max_face_sine) =
         (f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY);
     round_trip(&options);
@@ -155,7 +155,7 @@ fn a_manifold_of_large_faces_comes_back() {
         let pose = truth::Pose::turn([0.0, 0.0, 1.0], angle, [0.0, 0.0, 0.4 + 1e-6]);
         let pose = RelativePose::from_isometry(&pose.isometry()).expect("a pose");
         let mut m = Manifold::new();
-        Tracker::new().manifold(&disc, &disc, &pose, &ManifoldOptions::with_prediction(0.1), &mut m);
+        Tracker::new().manifold(&disc, &disc, &pose, &ManifoldOptions::default().prediction(0.1), &mut m);
         assert!(m.points().len() > 2);
         assert_eq!(read(&m).points(), m.points());
     }
@@ -334,15 +334,15 @@ fn surfaces_come_back() {
         assert_eq!(serde_json::to_string(&back).expect("serialises"), text);
         assert_eq!(back.patches(), surface.patches());
         let mut tracker = PairTracker::new();
-        let o = tracker.closest_with(&surface, &surface, &pose, &QueryOptions::new().width(1e-9));
+        let o = tracker.closest_with(&surface, &surface, &pose, &QueryOptions::default().width(1e-9));
         assert_eq!(
             o,
-            PairTracker::new().closest_with(&back, &back, &pose, &QueryOptions::new().width(1e-9))
+            PairTracker::new().closest_with(&back, &back, &pose, &QueryOptions::default().width(1e-9))
         );
         round_trip(&o);
         let ball = Shape::ball(0.5).expect("a ball");
         let mut tracker = PairTracker::new();
-        let o = tracker.closest_with(&surface, &ball, &pose, &QueryOptions::new().width(1e-9));
+        let o = tracker.closest_with(&surface, &ball, &pose, &QueryOptions::default().width(1e-9));
         round_trip(&o);
         shared(&surface);
         shared(&tracker);

@@ -139,7 +139,7 @@ fn poses(first: [f64; 3]) -> Vec<Isometry3<f64>> {
 fn a_manifold_that_was_read_answers_no_stored_bound() {
     let cube = solids::cuboid(Vector3::repeat(0.5)).expect("a body");
     let other = solids::prism(30, 0.4, 0.8).expect("a body");
-    let options = ManifoldOptions::with_prediction(0.1);
+    let options = ManifoldOptions::default().prediction(0.1);
     let mut sums = [0; 2];
     for (b, first) in [
         (&cube, [0.3, 0.2, 0.99]),
@@ -274,7 +274,7 @@ fn scene() -> Scene {
         none.overlap(true).within(NEAR),
         none.distance(0.6).overlap(true),
         none.distance(0.6).features(true).depth(true).overlap(true),
-        none.manifold(ManifoldOptions::with_prediction(0.1)).overlap(true),
+        none.manifold(ManifoldOptions::default().prediction(0.1)).overlap(true),
     ];
     let mut scene = Scene::new();
     let group = |k: usize| Group::new(k as u8).expect("a group");

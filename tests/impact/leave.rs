@@ -203,7 +203,8 @@ fn run(seed: u64, count: u64) {
             Steady::new(&world, Velocity::default()).expect("rest"),
         );
         let distance = [0.0, 2e-4 * size][rng.below(2)];
-        let options = CastOptions::new(Tolerance::Distance(1e-6 * size))
+        let options = CastOptions::default()
+            .tolerance(Tolerance::Distance(1e-6 * size))
             .distance(distance)
             .start_contact_margin(1e-3 * size);
         let name = format!("case {case}: {part_kind} on {table_kind}, {name}, size {size:e}, gap {gap:e}");
@@ -254,7 +255,9 @@ fn certificates_of_a_lift_hold() {
     let still = Steady::new(&Isometry3::identity(), Velocity::default()).expect("rest");
     let velocity = Velocity::new(Vector3::new(0.3, 0.1, 0.4), Vector3::new(0.0, 0.0, 1.0));
     let lift = Steady::new(&Isometry3::translation(0.1, 0.2, 2.0 * HALF), velocity).expect("a motion");
-    let options = CastOptions::new(Tolerance::Distance(1e-9)).start_contact_margin(1e-3);
+    let options = CastOptions::default()
+        .tolerance(Tolerance::Distance(1e-9))
+        .start_contact_margin(1e-3);
     let (a, b) = (GeometryRef::from(&table), GeometryRef::from(&part));
     let mut tracker = PairTracker::new();
     let mut trail = Vec::new();
@@ -292,7 +295,7 @@ fn numbers_out_of_range_are_named() {
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
         let good = CastOptions::default();
         for (options, what) in [
-            (CastOptions::new(Tolerance::Distance(bad)), "tolerance"),
+            (CastOptions::default().tolerance(Tolerance::Distance(bad)), "tolerance"),
             (good.distance(bad), "distance"),
             (good.start_contact_margin(bad), "start contact margin"),
         ] {

@@ -80,7 +80,7 @@ fn thrown(rng: &mut Rng, size: f64) -> [Steady; 2] {
 
 fn decided(bodies: [&Geometry; 2], motions: &[Steady; 2], time: f64, d: f64) -> Decision {
     let pose = RelativePose::new(&motions[0].pose(time), &motions[1].pose(time)).expect("a pose");
-    PairTracker::new().decide_within(bodies[0], bodies[1], &pose, d, &QueryOptions::new())
+    PairTracker::new().decide_within(bodies[0], bodies[1], &pose, d, &QueryOptions::default())
 }
 
 /// What the casts were, by outcome.

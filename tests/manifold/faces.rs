@@ -154,7 +154,7 @@ fn kept_choices_are_sound() {
             let start = workload::stacked(face_a, face_b, rng.range(0.0, 6.3), -1e-3 * reach);
             let way = scale(unit(cross(face_a.1, rng.unit())), 0.9 * reach);
             let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-            let mut options = ManifoldOptions::with_prediction(0.02);
+            let mut options = ManifoldOptions::default().prediction(0.02);
             options.rebuild_motion = 0.0;
             let mut before = vec![];
             for frame in workload::to_and_fro(start, way, 240, 240, &mut rng) {
@@ -183,7 +183,7 @@ fn kept_choices_are_sound() {
 fn negative_angles_keep_no_corner_off_the_faces() {
     let body = support::body(&shapes::cuboid([1.0, 1.0, 0.2]));
     for sine in [-1.0 / 64.0, -0.4, f64::NEG_INFINITY, f64::INFINITY, f64::NAN] {
-        let mut options = ManifoldOptions::with_prediction(0.5);
+        let mut options = ManifoldOptions::default().prediction(0.5);
         (options.rebuild_motion, options.reselect_motion, options.max_face_sine) = (0.0, 10.0, sine);
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
         for k in 0..60 {

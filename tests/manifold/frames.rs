@@ -29,7 +29,7 @@ fn names_last_at_rest() {
                 let spin = if k % 2 == 0 { 0.0 } else { rng.range(0.0, 6.0) };
                 let start = workload::stacked(face_a, face_b, spin, -1e-3);
                 let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-                let mut options = ManifoldOptions::with_prediction(0.05);
+                let mut options = ManifoldOptions::default().prediction(0.05);
                 options.rebuild_motion = drift.unwrap_or(options.rebuild_motion);
                 let mut before: Option<Vec<FeaturePair>> = None;
                 for frame in workload::at_rest(start, noise, reach, 60, &mut rng) {
@@ -57,7 +57,7 @@ fn sliding_contacts_keep_their_names_and_order() {
     let plate = support::body(&shapes::cuboid([4.0, 4.0, 0.5]));
     let cube = support::body(&shapes::cube());
     let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-    let options = ManifoldOptions::with_prediction(0.05);
+    let options = ManifoldOptions::default().prediction(0.05);
     let mut first: Option<Vec<FeaturePair>> = None;
     for k in 0..100 {
         let pose = support::shifted([0.025 * f64::from(k) - 1.0, 0.3, 1.49]);
@@ -78,7 +78,7 @@ fn names_last_over_a_change_of_features() {
     let cube = support::body(&shapes::cube());
     for drift in [0.0, ManifoldOptions::default().rebuild_motion] {
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-        let mut options = ManifoldOptions::with_prediction(0.05);
+        let mut options = ManifoldOptions::default().prediction(0.05);
         (options.rebuild_motion, options.reselect_motion) = (drift, 0.0);
         let (mut first, mut changed) = (None, 0);
         for k in 0..100 {
@@ -104,7 +104,7 @@ fn names_are_never_given_twice() {
     let mut strange = 0;
     for _ in 0..60 {
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-        let mut options = ManifoldOptions::with_prediction(0.05);
+        let mut options = ManifoldOptions::default().prediction(0.05);
         (options.rebuild_motion, options.reselect_motion, options.max_points) = (0.0, 0.0, 8);
         let (yaw, aside) = (rng.range(0.1, 1.4), rng.range(-0.5, 0.5));
         for k in 0..120 {
@@ -138,7 +138,7 @@ fn old_manifolds_keep_their_bounds() {
         let radii = (radius(&a.points), radius(&b.points));
         let (a, b) = (support::body(&a), support::body(&b));
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-        let mut options = ManifoldOptions::with_prediction(0.02);
+        let mut options = ManifoldOptions::default().prediction(0.02);
         options.rebuild_motion = 1.0 / 64.0;
         for frame in motion::pass_through(&mut rng, 4000, radii, 0.3) {
             let pose = support::relative(&frame);
@@ -175,14 +175,20 @@ fn manifolds_of_other_bodies_are_made_anew() {
     };
     assert_eq!(shaved.vertex_count(), 8);
     let pose = support::shifted([0.0, 0.0, 1.99]);
-    let options = ManifoldOptions::with_prediction(0.05);
+    let options = ManifoldOptions::default().prediction(0.05);
     let (mut pair, mut m) = (Tracker::new(), Manifold::new());
     pair.manifold(&cube, &cube, &pose, &options, &mut m);
     pair.manifold(&cube, &cube, &pose, &options, &mut m);
     assert!(!m.is_fresh());
     pair.manifold(&shaved, &cube, &pose, &options, &mut m);
     assert!(m.is_fresh());
-    pair.manifold(&shaved, &cube, &pose, &ManifoldOptions::with_prediction(0.06), &mut m);
+    pair.manifold(
+        &shaved,
+        &cube,
+        &pose,
+        &ManifoldOptions::default().prediction(0.06),
+        &mut m,
+    );
     assert!(m.is_fresh());
 }
 
@@ -196,7 +202,7 @@ fn bodies_far_from_their_origin_are_asked_anew() {
     let mut rng = Rng::new(612);
     for (a, b) in [(&near, &far), (&far, &near), (&far, &far)] {
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-        let options = ManifoldOptions::with_prediction(0.02);
+        let options = ManifoldOptions::default().prediction(0.02);
         let home = |body: &ConvexPolyhedron| {
             Pose::shift(if std::ptr::eq(body, &far) {
                 away.map(|x| -x)

@@ -120,7 +120,7 @@ fn upright_faces_bear_no_contact() {
             let by = [0.0, -1e-12, -1e-16, -1e-9][k / 2 % 4] - o.distance;
             frame.b.t = add(frame.b.t, scale(o.normal.into_inner().into(), by));
         }
-        let m = manifold(&card, &plate, &frame, &ManifoldOptions::with_prediction(4.0));
+        let m = manifold(&card, &plate, &frame, &ManifoldOptions::default().prediction(4.0));
         for c in m.points() {
             let deeper = m.lower() - c.separation;
             assert!(deeper <= 1e-12 * size, "{k}: {deeper:e} {m:?}");

@@ -17,7 +17,7 @@ use truth::support;
 use truth::{Point, Pose};
 
 fn exact(prediction: f64, max_points: usize) -> ManifoldOptions {
-    let mut o = ManifoldOptions::with_prediction(prediction);
+    let mut o = ManifoldOptions::default().prediction(prediction);
     (o.rebuild_motion, o.reselect_motion, o.max_points) = (0.0, 0.0, max_points);
     o
 }
@@ -43,7 +43,7 @@ fn predictions_reach_as_far_as_they_say() {
         let gap = 0.001 * f64::from(k);
         let pose = support::shifted([0.3, 0.2, 2.0 + gap]);
         let mut m = Manifold::new();
-        let options = ManifoldOptions::with_prediction(0.05);
+        let options = ManifoldOptions::default().prediction(0.05);
         Tracker::new().manifold(&cube, &cube, &pose, &options, &mut m);
         if (gap - 0.05).abs() > 1e-12 {
             assert_eq!(m.points().len(), if gap < 0.05 { 4 } else { 0 }, "{gap}");
@@ -130,7 +130,7 @@ fn an_outcome_gives_the_contacts_of_a_first_query() {
                 t: truth::pose::scale(rng.unit(), rng.range(0.3, 2.4)),
             },
         };
-        let (pose, options) = (support::relative(&frame), ManifoldOptions::with_prediction(0.1));
+        let (pose, options) = (support::relative(&frame), ManifoldOptions::default().prediction(0.1));
         let outcome = Tracker::new().closest(a, b, &pose);
         let m = Manifold::from_outcome(a, b, &pose, &outcome, &options);
         assert_eq!(m, manifold(a, b, &frame, &options));

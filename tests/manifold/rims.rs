@@ -111,7 +111,7 @@ fn contacts_kept_along_straight_rims_are_sound() {
     for _ in 0..150 {
         let ((a, of_a), (b, of_b)) = (rng.pick(&bodies), rng.pick(&bodies));
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-        let mut options = ManifoldOptions::with_prediction(0.1);
+        let mut options = ManifoldOptions::default().prediction(0.1);
         options.rebuild_motion = 0.0;
         let (gap, drawn) = (
             rng.log_range(1e-6, 3e-2),

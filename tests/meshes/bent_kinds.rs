@@ -108,20 +108,20 @@ impl Kept {
                 assert!((apart - distance).abs() < 1e-9, "{what} {found:?} {apart}");
             }
             assert_eq!(
-                tracker.decide_within(a, b, &at, 0.0, &QueryOptions::new()).is_yes(),
+                tracker.decide_within(a, b, &at, 0.0, &QueryOptions::default()).is_yes(),
                 !is_apart,
                 "{what} {found:?}"
             );
             assert!(
                 tracker
-                    .decide_within(a, b, &at, distance + 1e-9, &QueryOptions::new())
+                    .decide_within(a, b, &at, distance + 1e-9, &QueryOptions::default())
                     .is_yes(),
                 "{what} {found:?}"
             );
             assert!(
                 meets
                     || tracker
-                        .decide_within(a, b, &at, distance - 1e-9, &QueryOptions::new())
+                        .decide_within(a, b, &at, distance - 1e-9, &QueryOptions::default())
                         .is_no(),
                 "{what} {found:?}"
             );
@@ -337,9 +337,11 @@ fn a_surface_is_as_far_from_a_bent_mesh_as_from_one_built_anew() {
             apart += usize::from(fresh.state == ContactState::Separated);
             let d = fresh.upper.max(0.0) + 1e-9;
             assert!(
-                there.decide_within(&m, &surface, &at, d, &QueryOptions::new()).is_yes()
+                there
+                    .decide_within(&m, &surface, &at, d, &QueryOptions::default())
+                    .is_yes()
                     && back
-                        .decide_within(&surface, &m, &at.swapped(), d, &QueryOptions::new())
+                        .decide_within(&surface, &m, &at.swapped(), d, &QueryOptions::default())
                         .is_yes()
             );
         }

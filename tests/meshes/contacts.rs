@@ -21,7 +21,7 @@ fn room(n: usize, half: [f64; 3]) -> Soup {
 }
 
 pub(crate) fn within(prediction: f64) -> ManifoldOptions {
-    ManifoldOptions::with_prediction(prediction)
+    ManifoldOptions::default().prediction(prediction)
 }
 
 /// Returns options that choose points again for every motion.

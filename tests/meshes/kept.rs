@@ -61,8 +61,8 @@ fn in_turn(bodies: &[Geometry], other: &Geometry, poses: &[RelativePose]) {
             .into_iter()
             .filter(|d| *d >= 0.0)
         {
-            let now = tracker.decide_within(next, other, pose, d, &QueryOptions::new());
-            let truth = PairTracker::new().decide_within(next, other, pose, d, &QueryOptions::new());
+            let now = tracker.decide_within(next, other, pose, d, &QueryOptions::default());
+            let truth = PairTracker::new().decide_within(next, other, pose, d, &QueryOptions::default());
             assert!(now == truth || !(now.is_yes() || now.is_no()), "{k}: {now:?} {truth:?}");
         }
     }
@@ -131,7 +131,7 @@ fn names_are_those_of_the_body_that_is_asked() {
     let meshes = [0, 1].map(|k| Mesh::new(&lists[k].0, &lists[k].1).unwrap());
     let ball = Mesh::from_convex(&solids::icosahedron(0.3).unwrap()).unwrap();
     let (mut tracker, mut touched) = (PairTracker::new(), PairTracker::new());
-    let options = ManifoldOptions::with_prediction(0.1);
+    let options = ManifoldOptions::default().prediction(0.1);
     for (k, pose) in poses(60, 1.5, 4).iter().enumerate() {
         let (points, triangles) = &lists[k % 2];
         let found = tracker.closest(&meshes[k % 2], &ball, pose);
@@ -206,7 +206,7 @@ fn features_are_tried_on_the_bodies_that_are_asked() {
     ];
     let other = cuboid([0.3, 0.4, 0.5]);
     let (mut tracker, mut manifolds, mut kept) = (Tracker::new(), PairTracker::new(), Manifold::default());
-    let options = ManifoldOptions::with_prediction(0.05);
+    let options = ManifoldOptions::default().prediction(0.05);
     for (k, pose) in poses(200, 1.2, 8).iter().enumerate() {
         let body = &bodies[k % 4];
         let (found, fresh) = (

@@ -214,7 +214,7 @@ fn narrowed_bounds_hold_the_depth_of_boxes_to_the_width() {
         let at = relative(&Pose::shift([0.0; 3]));
         let first = PairTracker::new().penetration(&a, &b, &at).unwrap();
         wide += usize::from(first.upper - first.lower > 0.02 * truth);
-        let options = QueryOptions::new().width(0.02 * truth).splits(20_000);
+        let options = QueryOptions::default().width(0.02 * truth).splits(20_000);
         let found = PairTracker::new().penetration_with(&a, &b, &at, &options).unwrap();
         let holds = |found: &PenetrationBounds| found.lower <= truth + 1e-9 && truth <= found.upper + 1e-9;
         assert!(holds(&found), "{k}: {found:?} {truth}");
@@ -237,7 +237,7 @@ fn narrowed_bounds_hold_the_depth_of_boxes_to_the_width() {
             );
             // Without a width, nothing is searched.
             let same = PairTracker::new()
-                .penetration_with(&a, &b, &at, &QueryOptions::new())
+                .penetration_with(&a, &b, &at, &QueryOptions::default())
                 .unwrap();
             assert_eq!(first, same);
         }

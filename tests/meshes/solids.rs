@@ -111,7 +111,7 @@ fn a_cube_over_a_slab_has_four_contacts_wherever_both_stand() {
             &slab,
             &cube,
             &relative(&Pose::IDENTITY),
-            &ManifoldOptions::with_prediction(1e-3),
+            &ManifoldOptions::default().prediction(1e-3),
         );
         let counts: Vec<_> = found.unwrap().iter().map(|g| g.contacts.len()).collect();
         assert_eq!(counts, [4], "{far}");

@@ -87,19 +87,19 @@ fn pieces_without_triangles_stay_in_the_body() {
             for tracker in [&mut warm, &mut PairTracker::new()] {
                 assert!(
                     tracker
-                        .decide_within(&body, &mesh, &along_x(x), truth + 1e-9, &QueryOptions::new())
+                        .decide_within(&body, &mesh, &along_x(x), truth + 1e-9, &QueryOptions::default())
                         .is_yes(),
                     "{name} {x}"
                 );
                 assert!(
                     tracker
-                        .decide_within(&body, &mesh, &along_x(x), truth - 1e-9, &QueryOptions::new())
+                        .decide_within(&body, &mesh, &along_x(x), truth - 1e-9, &QueryOptions::default())
                         .is_no(),
                     "{name} {x}"
                 );
                 assert_eq!(
                     tracker
-                        .decide_within(&mesh, &body, &along_x(x).swapped(), 0.0, &QueryOptions::new())
+                        .decide_within(&mesh, &body, &along_x(x).swapped(), 0.0, &QueryOptions::default())
                         .is_yes(),
                     truth == 0.0
                 );
@@ -221,10 +221,10 @@ fn one_list_bends_two_numberings_to_two_bodies() {
             );
             let other = bodies[(k + 1) % 2];
             for d in [0.5, 0.99, 1.01, 2.0, 4.0] {
-                let now = tracker.decide_within(other, &probe, &pose, d, &QueryOptions::new());
+                let now = tracker.decide_within(other, &probe, &pose, d, &QueryOptions::default());
                 assert_eq!(
                     now,
-                    PairTracker::new().decide_within(other, &probe, &pose, d, &QueryOptions::new()),
+                    PairTracker::new().decide_within(other, &probe, &pose, d, &QueryOptions::default()),
                     "{k} {d}"
                 );
             }
@@ -296,7 +296,7 @@ fn every_kind_that_a_body_is_turned_into_is_the_body() {
                         assert!(is_right, "{form:?} {other:?}: {found:?} {truth:?}");
                     }
                     if lower > 1e-12 || truth.upper < -1e-12 {
-                        let meets = PairTracker::new().decide_within(form, other, &pose, 0.0, &QueryOptions::new());
+                        let meets = PairTracker::new().decide_within(form, other, &pose, 0.0, &QueryOptions::default());
                         assert_eq!(meets.is_yes(), lower == 0.0, "{form:?} {other:?}: {truth:?}");
                     }
                 }

@@ -39,16 +39,16 @@ fn judge((x, a): &Body, (y, b): &Body, pose: &RelativePose, kept: &mut [PairTrac
     assert!(meet(&warm, &distance, 1e-12) && meet(&Distance::from(&back), &distance, 1e-8));
     let Distance { lower, upper, .. } = distance;
     assert_eq!(
-        kept[0].decide_within(x, y, pose, upper.max(0.0) + TIE, &QueryOptions::new()),
+        kept[0].decide_within(x, y, pose, upper.max(0.0) + TIE, &QueryOptions::default()),
         Decision::Yes
     );
     if lower > TIE {
         assert_eq!(
-            kept[0].decide_within(x, y, pose, lower - TIE, &QueryOptions::new()),
+            kept[0].decide_within(x, y, pose, lower - TIE, &QueryOptions::default()),
             Decision::No
         );
         assert_eq!(
-            kept[1].decide_within(y, x, &pose.swapped(), 0.0, &QueryOptions::new()),
+            kept[1].decide_within(y, x, &pose.swapped(), 0.0, &QueryOptions::default()),
             Decision::No
         );
         let mut pair = kept[0].pair(x, y);
@@ -150,7 +150,7 @@ fn a_mesh_beside_a_surface_is_a_solid() {
     let sheet = Mesh::new(&sheet, &[[0, 1, 2], [2, 1, 3]]).unwrap();
     let mesh = Mesh::from_convex(&hull).unwrap();
     let [small, open] = [sphere(0.05), BezierSurface::from_mesh(&sheet).unwrap()];
-    let narrow = QueryOptions::new().width(1e-9);
+    let narrow = QueryOptions::default().width(1e-9);
     let (mut kept, mut classes, mut inside) = (PairTracker::new(), [0; 4], 0);
     for k in 0..600 {
         let surface = [&shell, &small, &open][k % 3];
@@ -167,7 +167,7 @@ fn a_mesh_beside_a_surface_is_a_solid() {
             let (lower, upper) = (truth.lower.max(0.0), truth.upper);
             assert!(o.lower <= upper + 1e-12 && lower <= o.upper + 1e-12, "{o:?} {truth:?}");
         }
-        let meets = PairTracker::new().decide_within(&mesh, surface, &pose, 0.0, &QueryOptions::new());
+        let meets = PairTracker::new().decide_within(&mesh, surface, &pose, 0.0, &QueryOptions::default());
         assert!(
             meets.as_bool().is_none_or(|meets| meets == (truth.lower <= 0.0)),
             "{meets:?} {truth:?}"
@@ -178,7 +178,7 @@ fn a_mesh_beside_a_surface_is_a_solid() {
                 &mesh,
                 &pose.swapped(),
                 truth.upper.max(0.0) + 1e-9,
-                &QueryOptions::new()
+                &QueryOptions::default()
             )
             .is_yes()
         );
@@ -189,7 +189,7 @@ fn a_mesh_beside_a_surface_is_a_solid() {
                     &mesh,
                     &pose.swapped(),
                     truth.lower - 1e-9,
-                    &QueryOptions::new()
+                    &QueryOptions::default()
                 )
                 .is_no()
             );
@@ -224,11 +224,11 @@ fn meshes_that_no_surface_stands_for_have_bounds() {
         "{answer:?}"
     );
     assert_eq!(
-        tracker.decide_within(&huge, &sphere(0.5), &at, 1e80, &QueryOptions::new()),
+        tracker.decide_within(&huge, &sphere(0.5), &at, 1e80, &QueryOptions::default()),
         Decision::Yes
     );
     assert_eq!(
-        tracker.decide_within(&huge, &sphere(0.5), &at, f64::NAN, &QueryOptions::new()),
+        tracker.decide_within(&huge, &sphere(0.5), &at, f64::NAN, &QueryOptions::default()),
         Decision::No
     );
     assert!(tracker.pair(&huge, &sphere(0.5)).measure(&at).lower <= 1e70);
@@ -243,7 +243,7 @@ fn contacts_of_any_two_geometries() {
     let ground = Mesh::from_convex(&floor).unwrap();
     let blocks = Compound::from(Shape::from(floor.clone()));
     let at = RelativePose::from_isometry(&Isometry3::translation(0.1, 0.0, 1.49)).unwrap();
-    let options = ManifoldOptions::with_prediction(0.02);
+    let options = ManifoldOptions::default().prediction(0.02);
     let round = Shape::from(die.clone()).rounded(0.01).unwrap();
     let floors = [GeometryRef::from(&floor), (&ground).into(), (&blocks).into()];
     let mut tracker = PairTracker::new();

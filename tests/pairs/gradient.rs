@@ -122,7 +122,7 @@ fn parallel_faces_have_one_sided_rates() {
         };
         let (body_a, body_b) = (support::body(&a), support::body(&b));
         let pose = support::relative(&frame);
-        let mut options = ManifoldOptions::with_prediction(1.0);
+        let mut options = ManifoldOptions::default().prediction(1.0);
         options.max_points = 8;
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
         pair.manifold(&body_a, &body_b, &pose, &options, &mut m);

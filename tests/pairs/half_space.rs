@@ -50,7 +50,7 @@ fn heights_and_contacts_are_those_of_a_scan() {
         let least = all.iter().copied().fold(f64::INFINITY, f64::min);
 
         let floor = HalfSpace::new(Vector3::from(normal) * 7.0, offset * 7.0).expect("a half-space");
-        let mut options = ManifoldOptions::with_prediction(0.01 * by);
+        let mut options = ManifoldOptions::default().prediction(0.01 * by);
         options.max_points = 1 + rng.below(8);
         let contacts = floor.contacts(&body, &relative(&pose), &options);
         let d = contacts.distance();
@@ -102,7 +102,7 @@ fn coins_stand_on_points_all_round() {
                 t: sub(pose.t, [0.0, 0.0, lowest + 1e-4]),
                 ..pose
             };
-            let contacts = floor.contacts(&coin, &relative(&pose), &ManifoldOptions::with_prediction(0.01));
+            let contacts = floor.contacts(&coin, &relative(&pose), &ManifoldOptions::default().prediction(0.01));
             let points = contacts.points();
             assert_eq!(points.len(), sides.min(4), "{sides}");
             // Angles about the centre of the coin, in order: no gap of half a turn.
@@ -120,7 +120,7 @@ fn coins_stand_on_points_all_round() {
 #[test]
 fn bodies_without_faces_and_far_bodies_have_contacts() {
     let floor = HalfSpace::new(Vector3::y(), -1.0).expect("a half-space");
-    let options = ManifoldOptions::with_prediction(0.1);
+    let options = ManifoldOptions::default().prediction(0.1);
     let point = ConvexPolyhedron::point([0.0, -1.05, 0.0].into()).expect("a point");
     let segment = ConvexPolyhedron::segment([0.0, -0.95, 0.0].into(), [1.0, -1.0, 0.0].into()).expect("a segment");
     let sheet = [[0.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, -1.0, 1.0]].map(|p| p.into());
@@ -156,10 +156,10 @@ fn half_spaces_that_are_none_are_refused() {
     // Options that are NaN request nothing.
     let cube = solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).expect("a box");
     let floor = HalfSpace::new(Vector3::y(), 0.0).expect("a half-space");
-    let mut options = ManifoldOptions::with_prediction(f64::NAN);
+    let mut options = ManifoldOptions::default().prediction(f64::NAN);
     let pose = relative(&Pose::IDENTITY);
     assert!(floor.contacts(&cube, &pose, &options).points().is_empty());
-    options = ManifoldOptions::with_prediction(0.1);
+    options = ManifoldOptions::default().prediction(0.1);
     (options.max_face_sine, options.rebuild_motion) = (f64::NAN, f64::NAN);
     assert_eq!(floor.contacts(&cube, &pose, &options).points().len(), 1);
 }

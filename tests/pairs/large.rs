@@ -315,7 +315,7 @@ fn longest(a: &ConvexPolyhedron, b: &ConvexPolyhedron, list: &[RelativePose], ki
                 "within" => consume(tracker.within(a, b, pose, 1e-10)),
                 #[cfg(feature = "exact")]
                 "exact" => consume(tracker.closest_exact(a, b, pose)),
-                _ => tracker.manifold(a, b, pose, &ManifoldOptions::with_prediction(0.01), &mut manifold),
+                _ => tracker.manifold(a, b, pose, &ManifoldOptions::default().prediction(0.01), &mut manifold),
             }
             shortest = f64::min(shortest, began.elapsed().as_secs_f64());
         }

@@ -124,7 +124,8 @@ fn patches_meet_shapes_never_late() {
                 moving(from, aside - from * 1.5, Vector3::from(rng.unit()) * 2.0),
             );
             let mut tracker = PairTracker::new();
-            if tracker.decide_within(&surface, shape, &at(&a, &b, 0.0), 1e-3, &QueryOptions::new()) != Decision::No {
+            if tracker.decide_within(&surface, shape, &at(&a, &b, 0.0), 1e-3, &QueryOptions::default()) != Decision::No
+            {
                 continue;
             }
             let mut pair = tracker.pair(&surface, shape);
@@ -133,7 +134,7 @@ fn patches_meet_shapes_never_late() {
                 Impact::Hit { safe, hit, .. } => {
                     hits += 1;
                     assert_eq!(
-                        tracker.decide_within(&surface, shape, &at(&a, &b, hit), 0.0, &QueryOptions::new()),
+                        tracker.decide_within(&surface, shape, &at(&a, &b, hit), 0.0, &QueryOptions::default()),
                         Decision::Yes
                     );
                     safe
@@ -176,7 +177,7 @@ fn patches_meet_patches_never_late() {
             Impact::Hit { safe, hit, .. } => {
                 hits += 1;
                 assert_eq!(
-                    tracker.decide_within(&a, &b, &at(&x, &y, hit), 0.0, &QueryOptions::new()),
+                    tracker.decide_within(&a, &b, &at(&x, &y, hit), 0.0, &QueryOptions::default()),
                     Decision::Yes
                 );
                 safe
@@ -194,7 +195,7 @@ fn patches_meet_patches_never_late() {
         };
         for i in 0..=40 {
             let time = until * f64::from(i) / 40.0;
-            let decided = tracker.decide_within(&a, &b, &at(&x, &y, time), 0.0, &QueryOptions::new());
+            let decided = tracker.decide_within(&a, &b, &at(&x, &y, time), 0.0, &QueryOptions::default());
             assert!(decided != Decision::Yes, "{k}: they meet at {time}, safe {until}");
         }
     }

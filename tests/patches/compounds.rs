@@ -44,14 +44,14 @@ fn the_closest_piece_is_found() {
         for _ in 0..5 {
             let far = rng.range(0.3, 3.0);
             let at = place(&mut rng, far);
-            let found = tracker.closest_with(&surface, &body, &pose(&at), &QueryOptions::new().width(1e-9));
+            let found = tracker.closest_with(&surface, &body, &pose(&at), &QueryOptions::default().width(1e-9));
             let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
             for piece in body.pieces() {
                 let o = PairTracker::new().closest_with(
                     &surface,
                     &piece.shape,
                     &of_piece(&at, piece),
-                    &QueryOptions::new().width(1e-9),
+                    &QueryOptions::default().width(1e-9),
                 );
                 (lower, upper) = (o.lower.min(lower), o.upper.min(upper));
             }
@@ -68,7 +68,7 @@ fn the_closest_piece_is_found() {
                 "{between} {found:?}"
             );
             assert_eq!(is_overlap, upper == 0.0, "{found:?}");
-            let within = tracker.decide_within(&surface, &body, &pose(&at), 0.5 * o.distance, &QueryOptions::new());
+            let within = tracker.decide_within(&surface, &body, &pose(&at), 0.5 * o.distance, &QueryOptions::default());
             assert!(is_overlap || within == Decision::No, "{within:?} {found:?}");
             (overlaps, apart) = (overlaps + u32::from(is_overlap), apart + u32::from(o.lower > 0.0));
             of[found.locations[1].subshape as usize] += 1;
@@ -117,7 +117,7 @@ fn bodies_of_pieces_are_met_on_time_in_both_orders() {
                 assert!(safe <= other && again <= hit, "{k}: {safe} {hit} {again} {other}");
                 let (a, b) = (still.pose(hit), flight.pose(hit));
                 let at = RelativePose::new(&a, &b).expect("a pose");
-                let within = PairTracker::new().decide_within(&surface, &body, &at, 2e-5, &QueryOptions::new());
+                let within = PairTracker::new().decide_within(&surface, &body, &at, 2e-5, &QueryOptions::default());
                 assert_eq!(within, Decision::Yes, "{k}");
                 hits += 1;
                 safe
@@ -150,20 +150,20 @@ fn far_bodies_have_bounds() {
     for far in [1e3, 1e9, 1e30, 1e120, 1e200, 1e305, 10.0] {
         let at = Isometry3::translation(0.0, 0.0, far);
         for width in [1e-9, 0.0, -1.0, f64::NAN] {
-            let o = tracker.closest_with(&surface, &body, &pose(&at), &QueryOptions::new().width(width));
+            let o = tracker.closest_with(&surface, &body, &pose(&at), &QueryOptions::default().width(width));
             assert!(o.lower <= o.distance && o.distance <= o.upper, "{far:e} {width}: {o:?}");
             assert!(o.lower <= far + 4.0 && far - 4.0 <= o.upper, "{far:e} {width}: {o:?}");
         }
         assert_eq!(
-            tracker.decide_within(&surface, &body, &pose(&at), f64::NAN, &QueryOptions::new()),
+            tracker.decide_within(&surface, &body, &pose(&at), f64::NAN, &QueryOptions::default()),
             Decision::No
         );
         assert_eq!(
-            tracker.decide_within(&surface, &body, &pose(&at), -1.0, &QueryOptions::new()),
+            tracker.decide_within(&surface, &body, &pose(&at), -1.0, &QueryOptions::default()),
             Decision::No
         );
         assert_eq!(
-            tracker.decide_within(&surface, &body, &pose(&at), f64::INFINITY, &QueryOptions::new()),
+            tracker.decide_within(&surface, &body, &pose(&at), f64::INFINITY, &QueryOptions::default()),
             Decision::Yes
         );
     }

@@ -28,7 +28,7 @@ fn spheres_apart_and_one_in_the_other() {
         let at = place(&mut rng, 1.5 + gap);
         let apart = at.translation.vector.norm();
         holds(
-            &tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(1e-9)),
+            &tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::default().width(1e-9)),
             apart - 1.5,
             1e-9,
         );
@@ -37,7 +37,7 @@ fn spheres_apart_and_one_in_the_other() {
         let at = place(&mut rng, apart);
         let apart = at.translation.vector.norm();
         holds(
-            &tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(1e-7)),
+            &tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::default().width(1e-7)),
             0.5 - apart,
             1e-7,
         );
@@ -56,7 +56,7 @@ fn a_sphere_and_the_side_of_a_cylinder() {
         let truth = off.hypot(up) - 0.25;
         if truth > 1e-6 {
             holds(
-                &PairTracker::new().closest_with(&side, &ball, &pose(&at), &QueryOptions::new().width(1e-9)),
+                &PairTracker::new().closest_with(&side, &ball, &pose(&at), &QueryOptions::default().width(1e-9)),
                 truth,
                 1e-9,
             );
@@ -84,7 +84,7 @@ fn flat_patches_are_polyhedra() {
         let apart = rng.range(1.2, 3.0);
         let at = place(&mut rng, apart);
         let truth = Tracker::new().closest(&die, &gem, &pose(&at));
-        let o = warm.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(1e-9));
+        let o = warm.closest_with(&a, &b, &pose(&at), &QueryOptions::default().width(1e-9));
         if truth.state == ContactState::Separated {
             assert!(
                 o.is_converged && o.lower <= truth.upper && truth.lower <= o.upper,
@@ -92,7 +92,7 @@ fn flat_patches_are_polyhedra() {
             );
         }
         let truth = PairTracker::new().closest(&die_shape, &round, &pose(&at));
-        let o = warm_ball.closest_with(&a, &ball, &pose(&at), &QueryOptions::new().width(1e-9));
+        let o = warm_ball.closest_with(&a, &ball, &pose(&at), &QueryOptions::default().width(1e-9));
         if truth.state == ContactState::Separated {
             let slack = ROUND;
             assert!(
@@ -110,7 +110,7 @@ fn flush_faces_are_no_harder() {
     for gap in [1e-12, 1e-6, 0.1] {
         let at = Isometry3::translation(0.2, 0.3, 1.0 + gap);
         let mut tracker = PairTracker::new();
-        let o = tracker.closest_with(&a, &a, &pose(&at), &QueryOptions::new().width(1e-11));
+        let o = tracker.closest_with(&a, &a, &pose(&at), &QueryOptions::default().width(1e-11));
         assert!(
             o.is_converged && (o.distance - at.translation.z + 1.0).abs() < 1e-11,
             "{o:?}"
@@ -129,7 +129,7 @@ fn a_cylinder_lies_along_a_plane() {
     for gap in [0.0, 1e-9, 1e-3] {
         let at = Isometry3::from_parts(Translation3::new(0.1, 0.2, 0.5 + gap), lying);
         let mut tracker = PairTracker::new();
-        let o = tracker.closest_with(&floor, &side, &pose(&at), &QueryOptions::new().width(1e-9));
+        let o = tracker.closest_with(&floor, &side, &pose(&at), &QueryOptions::default().width(1e-9));
         holds(&o, at.translation.z - 0.5, 1e-9);
         assert!(tracker.work().surfaces.splits < 2000, "{:?}", tracker.work());
     }

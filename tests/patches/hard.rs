@@ -27,7 +27,7 @@ fn saddles_in_each_other() {
         let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
         let at = Isometry3::from_parts(Vector3::new(0.05, -0.02, gap).into(), turned);
         let mut tracker = PairTracker::new();
-        let o = tracker.closest_with(&a, &a, &pose(&at), &QueryOptions::new().width(1e-6));
+        let o = tracker.closest_with(&a, &a, &pose(&at), &QueryOptions::default().width(1e-6));
         judge(&a, &a, &at, &o, 1e-13);
         println!("{gap} {turn}: {} {} {:?}", o.lower, o.upper, tracker.work());
     }
@@ -54,14 +54,14 @@ fn hollows_and_saddles_cost_no_more_when_narrow() {
             let mut splits = Vec::new();
             for width in [1e-4, 1e-7, 1e-10] {
                 let mut tracker = PairTracker::new();
-                let o = tracker.closest_with(a, b, &pose(&at), &QueryOptions::new().width(width));
+                let o = tracker.closest_with(a, b, &pose(&at), &QueryOptions::default().width(width));
                 judge(a, b, &at, &o, 1e-13);
                 assert!(o.is_converged || o.lower == 0.0, "{k} {gap}: {o:?}");
                 splits.push(tracker.work().surfaces.splits);
                 // Warm, and in the other order.
-                let again = tracker.closest_with(a, b, &pose(&at), &QueryOptions::new().width(width));
+                let again = tracker.closest_with(a, b, &pose(&at), &QueryOptions::default().width(width));
                 let back =
-                    PairTracker::new().closest_with(b, a, &pose(&at).swapped(), &QueryOptions::new().width(width));
+                    PairTracker::new().closest_with(b, a, &pose(&at).swapped(), &QueryOptions::default().width(width));
                 for other in [again, back] {
                     assert!(other.lower <= o.upper && o.lower <= other.upper, "{o:?} {other:?}");
                 }
@@ -94,14 +94,14 @@ fn a_border_that_stops_short_is_no_crossing() {
             let at = pose(&Isometry3::translation(0.0, 0.0, gap));
             let mut tracker = PairTracker::new();
             for found in [
-                tracker.decide_within(&floor, &wall, &at, 0.0, &QueryOptions::new()),
-                tracker.decide_within(&wall, &floor, &at.swapped(), 0.0, &QueryOptions::new()),
+                tracker.decide_within(&floor, &wall, &at, 0.0, &QueryOptions::default()),
+                tracker.decide_within(&wall, &floor, &at.swapped(), 0.0, &QueryOptions::default()),
             ] {
                 assert_eq!(found == Decision::Yes, meets, "{side} {gap:e}: {found:?}");
             }
             assert_eq!(
                 tracker
-                    .closest_with(&floor, &wall, &at, &QueryOptions::new().width(1e-9))
+                    .closest_with(&floor, &wall, &at, &QueryOptions::default().width(1e-9))
                     .state
                     == ContactState::Touching,
                 meets,
@@ -127,7 +127,7 @@ fn poles_face_each_other() {
         let tilt = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 1e-4 * (k * k) as f64);
         let at = Isometry3::from_parts(Vector3::new(0.0, 1e-5 * k as f64, 2.01).into(), tilt);
         let mut tracker = PairTracker::new();
-        let o = tracker.closest_with(&a, &a, &pose(&at), &QueryOptions::new().width(1e-9));
+        let o = tracker.closest_with(&a, &a, &pose(&at), &QueryOptions::default().width(1e-9));
         let truth = at.translation.vector.norm() - 2.0;
         assert!(
             o.is_converged && (o.distance - truth).abs() < 2e-9,
@@ -152,7 +152,7 @@ fn cusps_and_points() {
         for b in &bodies {
             for _ in 0..5 {
                 let at = place(&mut rng, 3.5);
-                let o = PairTracker::new().closest_with(a, b, &pose(&at), &QueryOptions::new().width(1e-9));
+                let o = PairTracker::new().closest_with(a, b, &pose(&at), &QueryOptions::default().width(1e-9));
                 assert!(o.is_converged && o.lower > 0.0, "{o:?}");
                 judge(a, b, &at, &o, 1e-13);
                 assert!((o.normal.norm() - 1.0).abs() < 1e-14);
@@ -163,7 +163,7 @@ fn cusps_and_points() {
         &bodies[1],
         &bodies[1],
         &pose(&Isometry3::identity()),
-        &QueryOptions::new().width(1e-9),
+        &QueryOptions::default().width(1e-9),
     );
     assert!(share.is_converged && share.lower == 0.0 && share.state == ContactState::Undecided);
 }
@@ -173,19 +173,19 @@ fn tangent_and_crossing_surfaces() {
     let a = sphere(1.0);
     let mut tracker = PairTracker::new();
     let at = |x: f64| pose(&Isometry3::translation(0.6 * x, 0.8 * x, 0.0));
-    let touching = tracker.closest_with(&a, &a, &at(2.0), &QueryOptions::new().width(1e-9));
+    let touching = tracker.closest_with(&a, &a, &at(2.0), &QueryOptions::default().width(1e-9));
     assert!(
         touching.is_converged && touching.upper < 1e-9 && touching.state != ContactState::Separated,
         "{touching:?}"
     );
     assert!(
         tracker
-            .decide_within(&a, &a, &at(2.0), 0.0, &QueryOptions::new())
+            .decide_within(&a, &a, &at(2.0), 0.0, &QueryOptions::default())
             .as_bool()
             != Some(false)
     );
     assert_eq!(
-        tracker.decide_within(&a, &a, &at(2.1), 0.0, &QueryOptions::new()),
+        tracker.decide_within(&a, &a, &at(2.1), 0.0, &QueryOptions::default()),
         Decision::No
     );
     let mut yes = 0;
@@ -193,35 +193,35 @@ fn tangent_and_crossing_surfaces() {
         let cross = at(0.05 + 0.048 * k as f64);
         yes += u32::from(
             tracker
-                .decide_within(&a, &a, &cross, 0.0, &QueryOptions::new())
+                .decide_within(&a, &a, &cross, 0.0, &QueryOptions::default())
                 .as_bool()
                 == Some(true),
         );
-        let o = tracker.closest_with(&a, &a, &cross, &QueryOptions::new().width(1e-9));
+        let o = tracker.closest_with(&a, &a, &cross, &QueryOptions::default().width(1e-9));
         assert!(o.is_converged && o.lower == 0.0 && o.upper < 1e-12, "{o:?}");
     }
     assert_eq!(yes, 40);
     assert_eq!(
-        tracker.decide_within(&a, &a, &at(2.5), 0.5 + 1e-9, &QueryOptions::new()),
+        tracker.decide_within(&a, &a, &at(2.5), 0.5 + 1e-9, &QueryOptions::default()),
         Decision::Yes
     );
     assert_eq!(
-        tracker.decide_within(&a, &a, &at(2.5), 0.5 - 1e-9, &QueryOptions::new()),
+        tracker.decide_within(&a, &a, &at(2.5), 0.5 - 1e-9, &QueryOptions::default()),
         Decision::No
     );
     assert_eq!(
-        tracker.decide_within(&a, &a, &at(2.5), -1.0, &QueryOptions::new()),
+        tracker.decide_within(&a, &a, &at(2.5), -1.0, &QueryOptions::default()),
         Decision::No
     );
     assert!(
-        matches!(tracker.decide_within(&a, &a, &at(2.5), 0.5, &QueryOptions::new()), Decision::Undecided { lower, upper } if lower <= 0.5 && upper >= 0.5)
+        matches!(tracker.decide_within(&a, &a, &at(2.5), 0.5, &QueryOptions::default()), Decision::Undecided { lower, upper } if lower <= 0.5 && upper >= 0.5)
     );
     // Nearly, but not.
     let flat = one([2, 2], &square(|_, _| 0.0));
     let dish = one([2, 2], &square(|x, y| x * x + y * y));
     let under = pose(&Isometry3::translation(0.0, 0.0, -1e-10));
     assert_eq!(
-        PairTracker::new().decide_within(&dish, &flat, &under, 0.0, &QueryOptions::new()),
+        PairTracker::new().decide_within(&dish, &flat, &under, 0.0, &QueryOptions::default()),
         Decision::No
     );
 }
@@ -231,20 +231,24 @@ fn a_budget_ends_what_has_no_end() {
     // Two coaxial cylinders are equally far everywhere.
     let (a, b) = (tube(1.0, 1.0), tube(0.6, 1.0));
     let mut tracker = PairTracker::new();
-    let few = QueryOptions::new().width(1e-9).splits(500);
+    let few = QueryOptions::default().width(1e-9).splits(500);
     let o = tracker.closest_with(&a, &b, &pose(&Isometry3::identity()), &few);
     assert!(
         !o.is_converged && o.lower <= 0.4 && o.upper >= 0.4 - 1e-15 && o.upper - o.lower < 0.1,
         "{o:?}"
     );
     assert!(tracker.work().surfaces.splits <= 500);
-    let coarse =
-        PairTracker::new().closest_with(&a, &b, &pose(&Isometry3::identity()), &QueryOptions::new().width(0.01));
+    let coarse = PairTracker::new().closest_with(
+        &a,
+        &b,
+        &pose(&Isometry3::identity()),
+        &QueryOptions::default().width(0.01),
+    );
     assert!(coarse.is_converged, "{coarse:?}");
     for width in [0.0, -1.0, f64::NAN] {
         let ball = sphere(1.0);
         let at = pose(&Isometry3::translation(2.5, 0.3, 0.1));
-        let o = PairTracker::new().closest_with(&ball, &ball, &at, &QueryOptions::new().width(width));
+        let o = PairTracker::new().closest_with(&ball, &ball, &at, &QueryOptions::default().width(width));
         assert!(!o.is_converged && o.upper - o.lower < 1e-11, "{o:?}");
     }
 }
@@ -280,7 +284,7 @@ fn surfaces_that_are_level_end_soon() {
         let mut tracker = PairTracker::new();
         for _ in 0..2 {
             let before = tracker.work().surfaces.splits;
-            let o = tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(1e-9));
+            let o = tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::default().width(1e-9));
             assert!(
                 o.lower <= truth + 1e-14 && truth <= o.upper + 1e-14,
                 "{k} {truth}: {o:?}"
@@ -295,7 +299,7 @@ fn surfaces_that_are_level_end_soon() {
         // A wide interval costs no more than for other pairs.
         assert!(
             tracker
-                .closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(0.3))
+                .closest_with(&a, &b, &pose(&at), &QueryOptions::default().width(0.3))
                 .is_converged,
             "{k}"
         );
@@ -318,7 +322,7 @@ fn a_patch_just_above_itself_is_decided_soon_or_not() {
             &patch,
             &pose(&Isometry3::translation(0.0, 0.0, up)),
             0.0,
-            &QueryOptions::new(),
+            &QueryOptions::default(),
         );
         assert!(found != Decision::Yes, "{k} {up:e}");
         assert!(
@@ -328,7 +332,7 @@ fn a_patch_just_above_itself_is_decided_soon_or_not() {
         );
         let away = pose(&Isometry3::translation(0.0, 0.0, 2.0));
         assert_eq!(
-            tracker.decide_within(&patch, &patch, &away, 0.0, &QueryOptions::new()),
+            tracker.decide_within(&patch, &patch, &away, 0.0, &QueryOptions::default()),
             Decision::No
         );
         // Farther up, the query may use all of its budget, and no more.
@@ -339,7 +343,7 @@ fn a_patch_just_above_itself_is_decided_soon_or_not() {
             &patch,
             &pose(&Isometry3::translation(0.0, 0.0, up)),
             0.0,
-            &QueryOptions::new(),
+            &QueryOptions::default(),
         );
         let is_honest = match found {
             Decision::No => true,
@@ -355,15 +359,15 @@ fn a_patch_just_above_itself_is_decided_soon_or_not() {
 fn far_and_foreign() {
     let (a, b) = (sphere(1.0), vase());
     let far = RelativePose::from_isometry(&Isometry3::translation(1e200, 0.0, 0.0)).expect("a pose");
-    let o = PairTracker::new().closest_with(&a, &a, &far, &QueryOptions::new().width(1e-9));
+    let o = PairTracker::new().closest_with(&a, &a, &far, &QueryOptions::default().width(1e-9));
     assert!(o.lower <= 1e200 && o.upper >= 1e200 && o.lower > 0.9e200 && !o.is_converged);
     // A tracker of other surfaces.
     let mut tracker = PairTracker::new();
     let at = pose(&Isometry3::translation(3.0, 0.2, 0.1));
-    let first = tracker.closest_with(&a, &b, &at, &QueryOptions::new().width(1e-9));
-    tracker.closest_with(&b, &a, &at, &QueryOptions::new().width(1e-9));
-    tracker.closest_with(&b, &b, &at, &QueryOptions::new().width(1e-9));
-    let again = tracker.closest_with(&a, &b, &at, &QueryOptions::new().width(1e-9));
+    let first = tracker.closest_with(&a, &b, &at, &QueryOptions::default().width(1e-9));
+    tracker.closest_with(&b, &a, &at, &QueryOptions::default().width(1e-9));
+    tracker.closest_with(&b, &b, &at, &QueryOptions::default().width(1e-9));
+    let again = tracker.closest_with(&a, &b, &at, &QueryOptions::default().width(1e-9));
     assert!(first.lower <= again.upper && again.lower <= first.upper && again.is_converged);
     assert!(tracker.memory_usage() > 0 && tracker.front_len() > 0);
     tracker.reset();
@@ -402,14 +406,14 @@ fn finer_meshes_come_closer() {
         Vector3::new(1.9, 0.8, 0.9),
         Vector3::new(0.4, 0.5, 0.6),
     ));
-    let exact = PairTracker::new().closest_with(&a, &a, &at, &QueryOptions::new().width(1e-11));
+    let exact = PairTracker::new().closest_with(&a, &a, &at, &QueryOptions::default().width(1e-11));
     let mut errors = Vec::new();
     for n in [8, 16, 32] {
         let mesh = globe(n);
         let o = PairTracker::new().closest(&mesh, &mesh, &at);
         assert!(o.lower >= exact.upper - 1e-11, "an inscribed mesh is farther");
         let flat = BezierSurface::from_mesh(&mesh).expect("a surface");
-        let p = PairTracker::new().closest_with(&flat, &flat, &at, &QueryOptions::new().width(1e-9));
+        let p = PairTracker::new().closest_with(&flat, &flat, &at, &QueryOptions::default().width(1e-9));
         assert!(
             p.is_converged && p.lower <= o.upper && o.lower <= p.upper,
             "{o:?} {p:?}"

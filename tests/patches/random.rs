@@ -247,7 +247,7 @@ fn surfaces(seed: u64, cases: u64) -> [u64; 5] {
         let at = placed(&mut rng, PLACES[how], spots);
         let width = *rng.pick(&WIDTHS);
         let mut tracker = PairTracker::new();
-        let o = tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(width));
+        let o = tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::default().width(width));
         let what = || {
             format!(
                 "case {k}: {} {} {} {width:e} {at:?}: {o:?}",
@@ -260,9 +260,9 @@ fn surfaces(seed: u64, cases: u64) -> [u64; 5] {
         // Back at the same pose by another path, and exchanged.
         let mut near = at;
         near.translation.vector += Vector3::from(rng.unit()) * rng.log_range(1e-6, 0.1);
-        tracker.closest_with(&a, &b, &pose(&near), &QueryOptions::new().width(width));
-        let again = tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(width));
-        let back = PairTracker::new().closest_with(&b, &a, &pose(&at).swapped(), &QueryOptions::new().width(width));
+        tracker.closest_with(&a, &b, &pose(&near), &QueryOptions::default().width(width));
+        let again = tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::default().width(width));
+        let back = PairTracker::new().closest_with(&b, &a, &pose(&at).swapped(), &QueryOptions::default().width(width));
         for other in [again, back] {
             assert!(other.lower <= o.upper && o.lower <= other.upper, "{} {other:?}", what());
         }
@@ -308,7 +308,7 @@ fn shapes(seed: u64, cases: u64) -> [u64; 5] {
         let at = placed(&mut rng, PLACES[how], spots);
         let width = *rng.pick(&WIDTHS);
         let mut tracker = PairTracker::new();
-        let o = tracker.closest_with(&a, &b.shape, &pose(&at), &QueryOptions::new().width(width));
+        let o = tracker.closest_with(&a, &b.shape, &pose(&at), &QueryOptions::default().width(width));
         let what = || {
             format!(
                 "case {k}: {} {} {round} {} {width:e} {at:?}: {o:?}",
@@ -319,8 +319,8 @@ fn shapes(seed: u64, cases: u64) -> [u64; 5] {
         let sentence = judge_shape(&a, &b, &at, &o, 2e-14 * (4.0 + at.translation.vector.norm()));
         let mut near = at;
         near.translation.vector += Vector3::from(rng.unit()) * rng.log_range(1e-6, 0.1);
-        tracker.closest_with(&a, &b.shape, &pose(&near), &QueryOptions::new().width(width));
-        let again = tracker.closest_with(&a, &b.shape, &pose(&at), &QueryOptions::new().width(width));
+        tracker.closest_with(&a, &b.shape, &pose(&near), &QueryOptions::default().width(width));
+        let again = tracker.closest_with(&a, &b.shape, &pose(&at), &QueryOptions::default().width(width));
         assert!(again.lower <= o.upper && o.lower <= again.upper, "{} {again:?}", what());
         let wide = !o.is_converged || !again.is_converged;
         if wide || sentence == Sentence::Open {
@@ -364,13 +364,13 @@ fn surroundings_of_the_closest_points_are_proven_at_once() {
         let mut tracker = PairTracker::new();
         for _ in 0..20 {
             let d = tracker
-                .closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(1e-3))
+                .closest_with(&a, &b, &pose(&at), &QueryOptions::default().width(1e-3))
                 .distance;
             at.translation.vector *= 1.0 + 0.3 * (0.2 - d);
         }
         let mut cold = PairTracker::new();
         assert!(
-            cold.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(1e-9))
+            cold.closest_with(&a, &b, &pose(&at), &QueryOptions::default().width(1e-9))
                 .is_converged
         );
         (sum.regions, sum.splits) = (
@@ -415,7 +415,7 @@ fn cost() {
             for _ in 0..40 {
                 at.rotation = UnitQuaternion::from_scaled_axis(axis) * at.rotation;
                 let d = tracker
-                    .closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(1e-3))
+                    .closest_with(&a, &b, &pose(&at), &QueryOptions::default().width(1e-3))
                     .distance;
                 at.translation.vector *= 1.0 + 0.3 * (0.2 - d);
             }
@@ -423,11 +423,11 @@ fn cost() {
             for _ in 0..40 {
                 at.rotation = UnitQuaternion::from_scaled_axis(axis) * at.rotation;
                 let began = std::time::Instant::now();
-                std::hint::black_box(tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(width)));
+                std::hint::black_box(tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::default().width(width)));
                 warm.push(began.elapsed().as_nanos());
                 let began = std::time::Instant::now();
                 let mut fresh = PairTracker::new();
-                std::hint::black_box(fresh.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(width)));
+                std::hint::black_box(fresh.closest_with(&a, &b, &pose(&at), &QueryOptions::default().width(width)));
                 cold.push(began.elapsed().as_nanos());
                 add(0, fresh.work().surfaces);
             }

@@ -12,8 +12,8 @@ const WIDTH: f64 = 1e-10;
 
 /// Asserts that two surfaces have one distance to a third.
 fn same(a: &BezierSurface, other: &BezierSurface, b: &BezierSurface, at: &Isometry3<f64>, what: &str) {
-    let o = PairTracker::new().closest_with(a, b, &pose(at), &QueryOptions::new().width(WIDTH));
-    let p = PairTracker::new().closest_with(other, b, &pose(at), &QueryOptions::new().width(WIDTH));
+    let o = PairTracker::new().closest_with(a, b, &pose(at), &QueryOptions::default().width(WIDTH));
+    let p = PairTracker::new().closest_with(other, b, &pose(at), &QueryOptions::default().width(WIDTH));
     assert!(o.is_converged && p.is_converged, "{what}: {o:?} {p:?}");
     assert!(
         o.lower <= p.upper + 1e-14 && p.lower <= o.upper + 1e-14,

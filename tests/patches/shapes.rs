@@ -44,7 +44,7 @@ fn balls_about_a_sphere_and_a_cylinder() {
         let at = place(&mut rng, 1.25 + gap);
         let apart = at.translation.vector.norm();
         holds(
-            &of_shell.closest_with(&shell, &ball, &pose(&at), &QueryOptions::new().width(1e-9)),
+            &of_shell.closest_with(&shell, &ball, &pose(&at), &QueryOptions::default().width(1e-9)),
             apart - 1.25,
             1e-9,
         );
@@ -53,7 +53,7 @@ fn balls_about_a_sphere_and_a_cylinder() {
         let at = place(&mut rng, inside);
         let apart = at.translation.vector.norm();
         holds(
-            &of_shell.closest_with(&shell, &ball, &pose(&at), &QueryOptions::new().width(1e-7)),
+            &of_shell.closest_with(&shell, &ball, &pose(&at), &QueryOptions::default().width(1e-7)),
             0.75 - apart,
             1e-7,
         );
@@ -64,7 +64,7 @@ fn balls_about_a_sphere_and_a_cylinder() {
         let truth = off.hypot(up) - 0.25;
         if truth > 1e-6 {
             holds(
-                &of_side.closest_with(&side, &ball, &pose(&c), &QueryOptions::new().width(1e-9)),
+                &of_side.closest_with(&side, &ball, &pose(&c), &QueryOptions::default().width(1e-9)),
                 truth,
                 1e-9,
             );
@@ -85,14 +85,14 @@ fn a_surface_through_or_within_a_shape_shares_points() {
         let mut tracker = PairTracker::new();
         for k in 0..20 {
             let at = place(&mut rng, 0.02 * f64::from(k));
-            let o = tracker.closest_with(&shell, &shape, &pose(&at), &QueryOptions::new().width(1e-9));
+            let o = tracker.closest_with(&shell, &shape, &pose(&at), &QueryOptions::default().width(1e-9));
             assert_eq!(
                 (o.state, o.lower, o.upper, o.distance),
                 (ContactState::Overlapping, f64::NEG_INFINITY, 0.0, 0.0),
                 "{o:?}"
             );
             assert_eq!(
-                tracker.decide_within(&shell, &shape, &pose(&at), 0.0, &QueryOptions::new()),
+                tracker.decide_within(&shell, &shape, &pose(&at), 0.0, &QueryOptions::default()),
                 Decision::Yes
             );
         }
@@ -102,27 +102,27 @@ fn a_surface_through_or_within_a_shape_shares_points() {
     let mut tracker = PairTracker::new();
     let at = |x: f64| pose(&Isometry3::translation(0.6 * x, 0.8 * x, 0.0));
     assert!(matches!(
-        tracker.decide_within(&shell, &ball, &at(1.0), 0.0, &QueryOptions::new()),
+        tracker.decide_within(&shell, &ball, &at(1.0), 0.0, &QueryOptions::default()),
         Decision::Undecided { .. }
     ));
     assert_eq!(
-        tracker.decide_within(&shell, &ball, &at(1.0 + 1e-9), 0.0, &QueryOptions::new()),
+        tracker.decide_within(&shell, &ball, &at(1.0 + 1e-9), 0.0, &QueryOptions::default()),
         Decision::No
     );
     assert_eq!(
-        tracker.decide_within(&shell, &ball, &at(1.0 - 1e-9), 0.0, &QueryOptions::new()),
+        tracker.decide_within(&shell, &ball, &at(1.0 - 1e-9), 0.0, &QueryOptions::default()),
         Decision::Yes
     );
     assert_eq!(
-        tracker.decide_within(&shell, &ball, &at(1.5), 0.5 + 1e-9, &QueryOptions::new()),
+        tracker.decide_within(&shell, &ball, &at(1.5), 0.5 + 1e-9, &QueryOptions::default()),
         Decision::Yes
     );
     assert_eq!(
-        tracker.decide_within(&shell, &ball, &at(1.5), 0.5 - 1e-9, &QueryOptions::new()),
+        tracker.decide_within(&shell, &ball, &at(1.5), 0.5 - 1e-9, &QueryOptions::default()),
         Decision::No
     );
     assert_eq!(
-        tracker.decide_within(&shell, &ball, &at(1.5), -1.0, &QueryOptions::new()),
+        tracker.decide_within(&shell, &ball, &at(1.5), -1.0, &QueryOptions::default()),
         Decision::No
     );
 }
@@ -141,7 +141,7 @@ fn flat_patches_are_polyhedra() {
             let far = rng.range(0.9, 2.0);
             let at = place(&mut rng, far);
             let truth = PairTracker::new().closest(&solid, &shape, &pose(&at));
-            let o = tracker.closest_with(&surface, &shape, &pose(&at), &QueryOptions::new().width(1e-9));
+            let o = tracker.closest_with(&surface, &shape, &pose(&at), &QueryOptions::default().width(1e-9));
             if truth.state == ContactState::Separated {
                 apart += 1;
                 assert!(
@@ -188,8 +188,8 @@ fn no_sample_is_closer_than_the_lower_bound() {
                 let far = rng.range(0.2, 2.5);
                 let at = pose(&place(&mut rng, far));
                 let least = sampled(&surface, shape, &at, 24);
-                let o = warm.closest_with(&surface, shape, &at, &QueryOptions::new().width(1e-9));
-                let cold = PairTracker::new().closest_with(&surface, shape, &at, &QueryOptions::new().width(1e-9));
+                let o = warm.closest_with(&surface, shape, &at, &QueryOptions::default().width(1e-9));
+                let cold = PairTracker::new().closest_with(&surface, shape, &at, &QueryOptions::default().width(1e-9));
                 assert!(o.lower <= cold.upper && cold.lower <= o.upper, "{k}: {o:?} {cold:?}");
                 assert!(o.lower <= least.max(0.0) + 1e-14, "{k}: {least} {o:?}");
                 // Every point of the surface is within about 0.1 of a sample.
@@ -219,8 +219,8 @@ fn a_ball_of_patches_is_a_ball() {
     for _ in 0..20 {
         let far = rng.range(2.0, 3.0);
         let at = pose(&place(&mut rng, far));
-        let o = PairTracker::new().closest_with(&a, &patches, &at, &QueryOptions::new().width(1e-9));
-        let p = tracker.closest_with(&a, &ball, &at, &QueryOptions::new().width(1e-9));
+        let o = PairTracker::new().closest_with(&a, &patches, &at, &QueryOptions::default().width(1e-9));
+        let p = tracker.closest_with(&a, &ball, &at, &QueryOptions::default().width(1e-9));
         assert!(o.is_converged && p.is_converged, "{o:?} {p:?}");
         assert!(
             o.state != ContactState::Separated || o.lower <= p.upper + 1e-15 && p.lower <= o.upper + 1e-15,
@@ -240,7 +240,7 @@ fn far_and_tiny_pairs_have_bounds() {
     let mut tracker = PairTracker::new();
     for x in [1e90, 1e150, 1e300] {
         let at = pose(&Isometry3::translation(x, 0.0, 0.0));
-        let o = tracker.closest_with(&shell, &ball, &at, &QueryOptions::new().width(1e-9));
+        let o = tracker.closest_with(&shell, &ball, &at, &QueryOptions::default().width(1e-9));
         assert!(
             o.lower <= x && x * (1.0 - 1e-12) <= o.upper && o.lower > 0.9 * x,
             "{o:?}"
@@ -248,18 +248,18 @@ fn far_and_tiny_pairs_have_bounds() {
     }
     for width in [0.0, -1.0, f64::NAN] {
         let at = pose(&Isometry3::translation(2.5, 0.3, 0.1));
-        let o = PairTracker::new().closest_with(&shell, &ball, &at, &QueryOptions::new().width(width));
+        let o = PairTracker::new().closest_with(&shell, &ball, &at, &QueryOptions::default().width(width));
         assert!(!o.is_converged && o.upper - o.lower < 1e-11, "{o:?}");
     }
     let huge = Shape::ball(1e80).expect("a ball");
     let at = pose(&Isometry3::translation(1.5e80, 0.0, 0.0));
-    let o = tracker.closest_with(&shell, &huge, &at, &QueryOptions::new().width(1e-9));
+    let o = tracker.closest_with(&shell, &huge, &at, &QueryOptions::default().width(1e-9));
     assert!(o.lower > 0.4e80 && o.upper < 0.6e80, "{o:?}");
     let o = PairTracker::new().closest_with(
         &vase(),
         &ball,
         &pose(&Isometry3::translation(3.0, 0.0, 0.0)),
-        &QueryOptions::new().width(1e-9).splits(0),
+        &QueryOptions::default().width(1e-9).splits(0),
     );
     assert!(!o.is_converged && o.lower <= o.upper, "{o:?}");
 }

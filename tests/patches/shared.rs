@@ -45,22 +45,22 @@ fn surfaces_of_every_kind_share_a_tracker() {
         let apart = rng.range(0.5, 3.5);
         let at = pose(&place(&mut rng, apart));
         for (x, y) in [(&a, &b), (&c, &d), (&a, &d), (&c, &b)] {
-            let o = shared.closest_with(x, y, &at, &QueryOptions::new().width(WIDTH));
+            let o = shared.closest_with(x, y, &at, &QueryOptions::default().width(WIDTH));
             assert_eq!(
                 o,
-                PairTracker::new().closest_with(x, y, &at, &QueryOptions::new().width(WIDTH)),
+                PairTracker::new().closest_with(x, y, &at, &QueryOptions::default().width(WIDTH)),
                 "{k}"
             );
-            let within = shared.decide_within(&d, &c, &at, o.distance, &QueryOptions::new());
+            let within = shared.decide_within(&d, &c, &at, o.distance, &QueryOptions::default());
             assert_eq!(
                 within,
-                PairTracker::new().decide_within(&d, &c, &at, o.distance, &QueryOptions::new()),
+                PairTracker::new().decide_within(&d, &c, &at, o.distance, &QueryOptions::default()),
                 "{k}"
             );
-            let meets = shared.decide_within(y, x, &at, 0.0, &QueryOptions::new());
+            let meets = shared.decide_within(y, x, &at, 0.0, &QueryOptions::default());
             assert_eq!(
                 meets,
-                PairTracker::new().decide_within(y, x, &at, 0.0, &QueryOptions::new()),
+                PairTracker::new().decide_within(y, x, &at, 0.0, &QueryOptions::default()),
                 "{k}"
             );
         }
@@ -90,16 +90,16 @@ fn surfaces_and_shapes_of_every_kind_share_a_tracker() {
         let at = pose(&place(&mut rng, apart));
         let pairs = [(&a, &b), (&c, &d), (&a, &d), (&c, &b)];
         for (n, (x, y)) in pairs.into_iter().enumerate() {
-            let o = shared.closest_with(x, y, &at, &QueryOptions::new().width(WIDTH));
+            let o = shared.closest_with(x, y, &at, &QueryOptions::default().width(WIDTH));
             assert_eq!(
                 o,
-                PairTracker::new().closest_with(x, y, &at, &QueryOptions::new().width(WIDTH)),
+                PairTracker::new().closest_with(x, y, &at, &QueryOptions::default().width(WIDTH)),
                 "{k}"
             );
             // Neither this pair nor the next.
             let (z, w) = pairs[(n + 2) % 4];
-            let within = shared.decide_within(z, w, &at, o.distance, &QueryOptions::new());
-            let cold = PairTracker::new().decide_within(z, w, &at, o.distance, &QueryOptions::new());
+            let within = shared.decide_within(z, w, &at, o.distance, &QueryOptions::default());
+            let cold = PairTracker::new().decide_within(z, w, &at, o.distance, &QueryOptions::default());
             assert_eq!(within, cold, "{k}");
         }
     }
@@ -129,12 +129,12 @@ fn surfaces_and_bodies_of_pieces_share_a_tracker() {
         let apart = rng.range(0.5, 3.5);
         let at = pose(&place(&mut rng, apart));
         for (x, y) in [(&a, b), (&c, d), (&a, d), (&c, b)] {
-            let o = shared.closest_with(x, y, &at, &QueryOptions::new().width(WIDTH));
-            let cold = PairTracker::new().closest_with(x, y, &at, &QueryOptions::new().width(WIDTH));
+            let o = shared.closest_with(x, y, &at, &QueryOptions::default().width(WIDTH));
+            let cold = PairTracker::new().closest_with(x, y, &at, &QueryOptions::default().width(WIDTH));
             assert!(o.lower <= cold.upper && cold.lower <= o.upper, "{k}: {o:?} {cold:?}");
             assert!(o.is_converged && cold.is_converged, "{k}: {o:?} {cold:?}");
-            let within = shared.decide_within(&c, d, &at, o.distance, &QueryOptions::new());
-            let cold = PairTracker::new().decide_within(&c, d, &at, o.distance, &QueryOptions::new());
+            let within = shared.decide_within(&c, d, &at, o.distance, &QueryOptions::default());
+            let cold = PairTracker::new().decide_within(&c, d, &at, o.distance, &QueryOptions::default());
             assert!(is_consistent(within, cold), "{k}: {within:?} {cold:?}");
         }
     }
@@ -203,18 +203,18 @@ fn bodies_made_to_be_taken_for_each_other_are_told_apart() {
             let mut shared = PairTracker::new();
             let mut of_eggs = PairTracker::new();
             for roof in &roofs {
-                let o = shared.closest_with(&ball, roof, &at, &QueryOptions::new().width(WIDTH));
+                let o = shared.closest_with(&ball, roof, &at, &QueryOptions::default().width(WIDTH));
                 assert_eq!(
                     o,
-                    PairTracker::new().closest_with(&ball, roof, &at, &QueryOptions::new().width(WIDTH)),
+                    PairTracker::new().closest_with(&ball, roof, &at, &QueryOptions::default().width(WIDTH)),
                     "{k}"
                 );
             }
             for egg in &eggs {
-                let o = of_eggs.closest_with(&ball, egg, &at, &QueryOptions::new().width(WIDTH));
+                let o = of_eggs.closest_with(&ball, egg, &at, &QueryOptions::default().width(WIDTH));
                 assert_eq!(
                     o,
-                    PairTracker::new().closest_with(&ball, egg, &at, &QueryOptions::new().width(WIDTH)),
+                    PairTracker::new().closest_with(&ball, egg, &at, &QueryOptions::default().width(WIDTH)),
                     "{k}"
                 );
             }

@@ -121,7 +121,7 @@ fn distances_and_options_that_are_none_are_refused() {
     for d in [f64::NAN, -0.1, 1e38, f64::INFINITY] {
         let within = none.within(d);
         let distance = none.distance(d);
-        let manifold = none.manifold(ManifoldOptions::with_prediction(d));
+        let manifold = none.manifold(ManifoldOptions::default().prediction(d));
         for queries in [within, manifold, distance] {
             // A distance may be requested at any range.
             if d != f64::INFINITY || queries.distance.is_none() {
@@ -141,7 +141,7 @@ fn distances_and_options_that_are_none_are_refused() {
         |m| m.reselect_motion = f64::NAN,
     ];
     for fault in faults {
-        let mut options = ManifoldOptions::with_prediction(0.1);
+        let mut options = ManifoldOptions::default().prediction(0.1);
         fault(&mut options);
         let manifold = none.manifold(options);
         assert_eq!(scene.set_queries(g, g, manifold), Err(SceneError::ManifoldOptions));
@@ -219,7 +219,7 @@ fn an_origin_that_is_none_is_refused_with_the_first_body() {
         assert_eq!((scene.body_count(), scene.step().counts.pairs), (0, 0));
         let (aabb, body) = (
             Aabb::from_center(Point3::origin(), Vector3::repeat(1.0)),
-            lin_canny::broad::BodyOptions::moving(),
+            lin_canny::broad::BodyOptions::default(),
         );
         let error = Err(BroadPhaseError::Origin { axis });
         assert_eq!(SweepAndPrune::with_settings(settings).insert(&aabb, body), error);

@@ -155,7 +155,7 @@ const WITHIN: [f64; 4] = [0.0, 0.05, 0.3, 2.0];
 
 fn hulls(scene: &mut Scene, rng: &mut Rng) {
     let (a, b) = (scene.round(rng, 20), scene.round(rng, 40));
-    let mut options = ManifoldOptions::with_prediction(0.05 * scene.unit);
+    let mut options = ManifoldOptions::default().prediction(0.05 * scene.unit);
     let (mut warm, mut local, mut manifold) = (Tracker::new(), Tracker::new(), Manifold::new());
     for apart in APART {
         let pose = scene.pose(rng, apart);
@@ -212,16 +212,16 @@ fn geometries(scene: &mut Scene, rng: &mut Rng) {
         );
         scene.plain(
             "intersects",
-            tracker.decide_within(a, b, &pose, 0.0, &QueryOptions::new()),
+            tracker.decide_within(a, b, &pose, 0.0, &QueryOptions::default()),
         );
         scene.plain(
             "within",
-            tracker.decide_within(a, b, &pose, WITHIN[1] * unit, &QueryOptions::new()),
+            tracker.decide_within(a, b, &pose, WITHIN[1] * unit, &QueryOptions::default()),
         );
-        let few = QueryOptions::new().splits(100);
+        let few = QueryOptions::default().splits(100);
         let decision = tracker.decide_within(a, b, &pose, WITHIN[1] * unit, &few);
         scene.plain("within, few splits", decision);
-        let near = ManifoldOptions::with_prediction(0.2 * unit);
+        let near = ManifoldOptions::default().prediction(0.2 * unit);
         let found = tracker.contacts(a, b, &pose, &near).expect("solids");
         scene.plain("contacts", found.iter().map(|g| g.contacts.len()).collect::<Vec<_>>());
     }
@@ -263,7 +263,7 @@ fn points(scene: &mut Scene, rng: &mut Rng) {
 
 fn half_spaces(scene: &mut Scene, rng: &mut Rng) {
     let body = scene.round(rng, 30);
-    let options = ManifoldOptions::with_prediction(0.2 * scene.unit);
+    let options = ManifoldOptions::default().prediction(0.2 * scene.unit);
     for apart in APART {
         let floor = HalfSpace::new(Vector3::from(rng.unit()), rng.range(-1.0, 1.0) * scene.unit).expect("a half-space");
         let pose = scene.pose(rng, apart);
@@ -298,7 +298,7 @@ fn curved(scene: &Scene) -> Vec<Shape> {
 
 fn shape_pairs(scene: &mut Scene, rng: &mut Rng) {
     let shapes = curved(scene);
-    let options = ManifoldOptions::with_prediction(0.05 * scene.unit);
+    let options = ManifoldOptions::default().prediction(0.05 * scene.unit);
     for (k, a) in shapes.iter().enumerate() {
         let b = &shapes[(k + rng.below(shapes.len())) % shapes.len()];
         let (mut warm, mut manifold) = (PairTracker::new(), Manifold::new());
@@ -308,15 +308,15 @@ fn shape_pairs(scene: &mut Scene, rng: &mut Rng) {
             scene.outcome(&name, &warm.closest(a, b, &pose));
             scene.outcome(
                 &name,
-                &PairTracker::new().closest_with(a, b, &pose, &QueryOptions::new().depth(DepthMode::Local)),
+                &PairTracker::new().closest_with(a, b, &pose, &QueryOptions::default().depth(DepthMode::Local)),
             );
             let d = warm.distance(a, b, &pose);
             scene.distance("distance", &d);
-            scene.plain(&name, warm.decide_within(a, b, &pose, 0.0, &QueryOptions::new()));
+            scene.plain(&name, warm.decide_within(a, b, &pose, 0.0, &QueryOptions::default()));
             for d in WITHIN {
                 scene.plain(
                     &name,
-                    warm.decide_within(a, b, &pose, d * scene.unit, &QueryOptions::new()),
+                    warm.decide_within(a, b, &pose, d * scene.unit, &QueryOptions::default()),
                 );
             }
             warm.manifold(a, b, &pose, &options, &mut manifold).unwrap();
@@ -348,18 +348,18 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
             scene.distance("distance", &d);
             scene.plain(
                 "intersects",
-                tracker.decide_within(&a, &b, &pose, 0.0, &QueryOptions::new()),
+                tracker.decide_within(&a, &b, &pose, 0.0, &QueryOptions::default()),
             );
             for d in WITHIN {
                 scene.plain(
                     "within",
-                    tracker.decide_within(&a, &b, &pose, d * scene.unit, &QueryOptions::new()),
+                    tracker.decide_within(&a, &b, &pose, d * scene.unit, &QueryOptions::default()),
                 );
             }
             let lower = tracker.lower_bound(&a, &b, &pose);
             scene.lengths("lower bound", [lower]);
             scene.penetration(tracker.penetration(&a, &b, &pose));
-            let narrow = QueryOptions::new().width(0.1 * scene.unit).splits(8);
+            let narrow = QueryOptions::default().width(0.1 * scene.unit).splits(8);
             scene.penetration(tracker.penetration_with(&a, &b, &pose, &narrow));
         }
     }
@@ -369,7 +369,7 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
 fn patches(scene: &mut Scene, rng: &mut Rng) {
     let bodies = [dented(scene, rng), dented(scene, rng)].map(ConvexPatches::from_mesh);
     let pieces = [compound(scene, rng), compound(scene, rng)].map(ConvexPatches::from_compound);
-    let options = ManifoldOptions::with_prediction(0.2 * scene.unit);
+    let options = ManifoldOptions::default().prediction(0.2 * scene.unit);
     for [a, b] in [&bodies, &pieces] {
         let mut warm = PairTracker::new();
         for apart in APART {
@@ -430,12 +430,12 @@ fn pieces<'g>(scene: &mut Scene, rng: &mut Rng, a: impl Into<GeometryRef<'g>>, b
             scene.plain("closest", (o.state, o.locations, o.normal));
             scene.plain(
                 "intersects",
-                tracker.decide_within(a, b, &pose, 0.0, &QueryOptions::new()),
+                tracker.decide_within(a, b, &pose, 0.0, &QueryOptions::default()),
             );
             for d in WITHIN {
                 scene.plain(
                     "within",
-                    tracker.decide_within(a, b, &pose, d * scene.unit, &QueryOptions::new()),
+                    tracker.decide_within(a, b, &pose, d * scene.unit, &QueryOptions::default()),
                 );
             }
             let lower = tracker.lower_bound(a, b, &pose);
@@ -458,17 +458,17 @@ fn surfaces(scene: &mut Scene, rng: &mut Rng) {
     let mut warm = PairTracker::new();
     for apart in [2.6, 4.0, 9.0] {
         let pose = scene.pose(rng, apart);
-        let o = warm.closest_with(&a, &b, &pose, &QueryOptions::new().width(width));
+        let o = warm.closest_with(&a, &b, &pose, &QueryOptions::default().width(width));
         let witnesses = [&o.point_on_a, &o.point_on_b];
         scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
         scene.plain("closest", (o.state, o.is_converged, o.locations, o.normal));
         scene.decision(
             "intersects",
-            warm.decide_within(&a, &b, &pose, 0.0, &QueryOptions::new()),
+            warm.decide_within(&a, &b, &pose, 0.0, &QueryOptions::default()),
         );
         scene.decision(
             "within",
-            warm.decide_within(&a, &b, &pose, 0.3 * scene.unit, &QueryOptions::new()),
+            warm.decide_within(&a, &b, &pose, 0.3 * scene.unit, &QueryOptions::default()),
         );
     }
 }
@@ -480,21 +480,21 @@ fn surfaces_and_others(scene: &mut Scene, rng: &mut Rng) {
         let pose = scene.pose(rng, apart);
         for shape in &shapes {
             let mut tracker = PairTracker::new();
-            let o = tracker.closest_with(&a, shape, &pose, &QueryOptions::new().width(width));
+            let o = tracker.closest_with(&a, shape, &pose, &QueryOptions::default().width(width));
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("shape", [o.lower, o.upper], o.distance, witnesses);
             scene.plain("shape", (o.state, o.is_converged, o.locations, o.normal));
             scene.decision(
                 "within",
-                tracker.decide_within(&a, shape, &pose, 0.3 * scene.unit, &QueryOptions::new()),
+                tracker.decide_within(&a, shape, &pose, 0.3 * scene.unit, &QueryOptions::default()),
             );
         }
         let mut tracker = PairTracker::new();
-        let d = tracker.closest_with(&a, &body, &pose, &QueryOptions::new().width(width));
+        let d = tracker.closest_with(&a, &body, &pose, &QueryOptions::default().width(width));
         scene.distance("compound", &Distance::from(&d));
         scene.decision(
             "within",
-            tracker.decide_within(&a, &body, &pose, 0.3 * scene.unit, &QueryOptions::new()),
+            tracker.decide_within(&a, &body, &pose, 0.3 * scene.unit, &QueryOptions::default()),
         );
     }
 }

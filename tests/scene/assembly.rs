@@ -21,7 +21,7 @@ fn assembly(queries: PairQueries) -> (Scene, [BodyId; 3]) {
 #[test]
 fn a_clash_of_fixed_bodies_is_counted_or_found() {
     let queries = NONE.overlap(true).distance(1.0).features(true).depth(true);
-    let queries = queries.manifold(ManifoldOptions::with_prediction(0.6));
+    let queries = queries.manifold(ManifoldOptions::default().prediction(0.6));
     let (mut scene, [a, b, c]) = assembly(queries);
     assert_eq!(scene.step().counts.fixed_left_out, 3);
     assert!(scene.events().is_empty() && scene.pair_count() == 0);
@@ -124,7 +124,7 @@ fn fixed_bodies_answer_the_queries_of_their_kinds() {
     }
     let refused = scene.set_queries(ALL, ALL, NONE.depth(true).fixed(true));
     assert!(matches!(refused, Err(SceneError::Unanswered { query: "depth", .. })));
-    let queries = NONE.overlap(true).manifold(ManifoldOptions::with_prediction(0.1));
+    let queries = NONE.overlap(true).manifold(ManifoldOptions::default().prediction(0.1));
     scene.set_queries(ALL, ALL, queries.fixed(true)).unwrap();
     scene.step();
     let [pair] = &scene.pairs().collect::<Vec<_>>()[..] else {

@@ -21,7 +21,7 @@ fn scenes_say_of_bent_meshes_what_pairs_say() {
     queries.overlap = true;
     queries.features = true;
     queries.distance = Some(f64::INFINITY);
-    queries.manifold = Some(ManifoldOptions::with_prediction(0.05));
+    queries.manifold = Some(ManifoldOptions::default().prediction(0.05));
     let mut scene = Scene::with_queries(queries).unwrap();
     let places = [
         Isometry3::translation(0.0, 0.0, 0.0),
@@ -62,7 +62,7 @@ fn scenes_say_of_bent_meshes_what_pairs_say() {
                 .map_or(0, |groups| groups.iter().map(|g| g.contacts.len()).sum());
             let mut cold = PairTracker::new();
             let fresh = cold
-                .contacts(a, b, &pose, &ManifoldOptions::with_prediction(0.05))
+                .contacts(a, b, &pose, &ManifoldOptions::default().prediction(0.05))
                 .unwrap();
             assert_eq!(
                 points,

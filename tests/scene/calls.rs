@@ -371,7 +371,7 @@ fn no_speed_spoils_a_scene() {
 fn contacts_end_when_they_are_no_longer_called_for() {
     let g = group(0);
     let mut scene = Scene::new();
-    let manifold = ManifoldOptions::with_prediction(0.1);
+    let manifold = ManifoldOptions::default().prediction(0.1);
     scene.set_queries(g, g, NONE.manifold(manifold)).unwrap();
     let mesh = Mesh::from_convex(&solids::icosahedron(0.6).unwrap()).unwrap();
     let cube = solids::cuboid(Vector3::repeat(0.5)).unwrap();

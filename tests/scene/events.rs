@@ -109,7 +109,7 @@ fn ladder() -> [PairQueries; 9] {
             .features(true)
             .depth(true)
             .boxes(true)
-            .manifold(ManifoldOptions::with_prediction(D)),
+            .manifold(ManifoldOptions::default().prediction(D)),
     ]
 }
 
@@ -367,7 +367,7 @@ fn most_separated_pairs_are_answered_by_the_budget() {
 #[test]
 fn local_depths_bound_the_depths() {
     let near = NONE.distance(0.3).features(true);
-    let mut options = ManifoldOptions::with_prediction(D);
+    let mut options = ManifoldOptions::default().prediction(D);
     options.local_depth = true;
     let asked = [
         near.depth(true),
@@ -375,7 +375,8 @@ fn local_depths_bound_the_depths() {
         near.manifold(options),
         // A request for the depth returns the depth.
         near.manifold(options).depth(true),
-        near.manifold(ManifoldOptions::with_prediction(D)).local_depth(true),
+        near.manifold(ManifoldOptions::default().prediction(D))
+            .local_depth(true),
     ];
     let (mut overlaps, mut wide) = (0, [0; 5]);
     let mut plays = asked.map(|queries| Play::new(Kind::Pile, 60, queries));

@@ -251,7 +251,7 @@ fn a_pair_of_polyhedra_is_as_the_tracker_has_it_whatever_else_is_there() {
 /// A cylinder, a ball and a rounded box tremble on a plate.
 #[test]
 fn manifolds_of_convex_shapes_are_those_of_their_tracker() {
-    let options = ManifoldOptions::with_prediction(0.01);
+    let options = ManifoldOptions::default().prediction(0.01);
     let queries = NONE.manifold(options);
     let mut scene = Scene::new();
     scene.set_queries(ALL, ALL, queries).unwrap();
@@ -345,7 +345,7 @@ fn shapes_of_every_kind_against_composites_and_meshes_equal_brute_force() {
 /// Bodies of every kind rest on a plate of many triangles, on a plate of two pieces and on a box.
 #[test]
 fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
-    let options = ManifoldOptions::with_prediction(0.01);
+    let options = ManifoldOptions::default().prediction(0.01);
     let mut scene = Scene::new();
     scene.set_queries(ALL, ALL, NONE.manifold(options)).unwrap();
     let half = Vector3::new(4.0, 4.0, 0.5);

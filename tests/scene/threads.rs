@@ -15,7 +15,7 @@ fn sets() -> [PairQueries; 6] {
         none.within(0.1),
         none.distance(0.2).overlap(true),
         none.distance(0.2).features(true).depth(true).overlap(true),
-        none.manifold(ManifoldOptions::with_prediction(0.05)),
+        none.manifold(ManifoldOptions::default().prediction(0.05)),
         none.features(true).local_depth(true).overlap(true),
     ]
 }

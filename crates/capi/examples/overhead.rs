@@ -326,7 +326,7 @@ fn of_pair(library: &Library, name: &str, [a, b]: [&Geometry; 2], pair: lc_pair)
         );
 
         let mut tracker = PairTracker::new();
-        let options = QueryOptions::new();
+        let options = QueryOptions::default();
         let mut decide = |k: usize| {
             let pose = RelativePose::new(black_box(&here), &poses[k]).expect("a pose");
             f64::from(u32::from(tracker.decide_within(a, b, &pose, 0.25, &options).is_yes()))
@@ -374,7 +374,7 @@ fn of_pair(library: &Library, name: &str, [a, b]: [&Geometry; 2], pair: lc_pair)
     race("closest, a batch of 1,000", 1, &mut closest, &mut asked);
 
     let mut tracker = PairTracker::new();
-    let options = ManifoldOptions::with_prediction(0.125);
+    let options = ManifoldOptions::default().prediction(0.125);
     let mut manifold = |k: usize| {
         let pose = RelativePose::new(black_box(&here), &deep[k]).expect("a pose");
         let groups = tracker.contacts(a, b, &pose, &options).expect("contacts");
@@ -424,7 +424,7 @@ fn of_pair(library: &Library, name: &str, [a, b]: [&Geometry; 2], pair: lc_pair)
     race("penetration", QUERIES, &mut depth, &mut asked);
 
     let mut tracker = PairTracker::new();
-    let options = CastOptions::new(Tolerance::Distance(1e-6));
+    let options = CastOptions::default().tolerance(Tolerance::Distance(1e-6));
     let mut first = |k: usize| {
         let still = Steady::new(black_box(&here), Velocity::default()).expect("a motion");
         let velocity = Velocity::new(-apart[k].translation.vector, Vector3::new(0.1, 0.2, 0.3));

@@ -349,7 +349,7 @@ fn query(wanted: u32) -> QueryOptions {
         LC_LOCAL_DEPTH => DepthMode::Local,
         _ => DepthMode::None,
     };
-    QueryOptions::new().depth(depth)
+    QueryOptions::default().depth(depth)
 }
 
 impl Pair {
@@ -463,7 +463,7 @@ pub unsafe extern "C" fn lc_pair_within(
         }
         let pose = relative(&pose_a, &pose_b)?;
         PAIRS.with(pair.id, |Pair { a, b, tracker }| {
-            let decision = tracker.decide_within(&*a, &*b, &pose, distance, &QueryOptions::new());
+            let decision = tracker.decide_within(&*a, &*b, &pose, distance, &QueryOptions::default());
             out.write(match decision {
                 Decision::Yes => 1,
                 Decision::No => 0,
@@ -511,7 +511,7 @@ pub unsafe extern "C" fn lc_pair_contacts(
             )));
         }
         let most = if max_points == 0 { 4 } else { max_points as usize };
-        let options = ManifoldOptions::with_prediction(prediction).max_points(most);
+        let options = ManifoldOptions::default().prediction(prediction).max_points(most);
         let pose = relative(&pose_a, &pose_b)?;
         let (world_a, world_b) = pose.poses();
         PAIRS.with(pair.id, |Pair { a, b, tracker }| {
@@ -606,7 +606,7 @@ pub unsafe extern "C" fn lc_pair_cast(
         let given = unsafe { self::options(options, options_size, "options") }?;
         // SAFETY: by the caller's contract.
         let out = unsafe { Places::new(out, out_size, 1, "out") }?;
-        let mut options = CastOptions::new(Tolerance::Distance(given.tolerance)).distance(given.distance);
+        let mut options = CastOptions::default().tolerance(Tolerance::Distance(given.tolerance)).distance(given.distance);
         options.start_contact_margin = (given.flags & LC_ACCEPT_START != 0).then_some(given.start_contact_margin);
         let found = PAIRS.with(pair.id, |Pair { a, b, tracker }| {
             let (bodies, times) = ([(&*a).into(), (&*b).into()], 0.0..given.duration);

@@ -98,7 +98,7 @@ impl PairTracker {
         let pose = relative(pose_a, pose_b)?;
         decided(
             self.tracker
-                .decide_within(&a.get().0, &b.get().0, &pose, 0.0, &QueryOptions::new()),
+                .decide_within(&a.get().0, &b.get().0, &pose, 0.0, &QueryOptions::default()),
         )
     }
 
@@ -117,7 +117,7 @@ impl PairTracker {
         let pose = relative(pose_a, pose_b)?;
         decided(
             self.tracker
-                .decide_within(&a.get().0, &b.get().0, &pose, d, &QueryOptions::new()),
+                .decide_within(&a.get().0, &b.get().0, &pose, d, &QueryOptions::default()),
         )
     }
 

@@ -97,11 +97,7 @@ pub(crate) fn page(
             .collect();
         recording.frames.push(frame);
     }
-    let options = PageOptions {
-        panel: false,
-        colors: colors.unwrap_or_default(),
-        ..PageOptions::default()
-    };
+    let options = PageOptions::default().panel(false).colors(colors.unwrap_or_default());
     Ok(py.detach(|| {
         let count = |body: &BodyLine| {
             let geometry = &recording.geometries[body.geometry as usize];

@@ -31,13 +31,7 @@ fn run(options: &Options) -> Result<(), String> {
     let file = options.file.display();
     let recording = Recording::open(&options.file).map_err(|e| format!("{file}: {e}"))?;
     let frame = options.frame;
-    let text = page(
-        &recording,
-        &PageOptions {
-            frame,
-            ..PageOptions::default()
-        },
-    );
+    let text = page(&recording, &PageOptions::default().frame(frame));
     truth::command::write(&options.page, &text)?;
     println!("{}", options.page.display());
     Ok(())

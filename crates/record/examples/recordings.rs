@@ -141,7 +141,7 @@ fn pile(file: &Path) -> Result<(), Trouble> {
     let mut scene = Scene::new();
     let queries = PairQueries::none().distance(0.05).features(true).depth(true);
     let all = Group::default();
-    scene.set_queries(all, all, queries.manifold(ManifoldOptions::with_prediction(0.02)))?;
+    scene.set_queries(all, all, queries.manifold(ManifoldOptions::default().prediction(0.02)))?;
     scene.insert(
         Body::fixed(solids::cuboid(Vector3::new(2.0, 2.0, 0.1))?),
         Isometry3::translation(0.0, 0.0, -0.1),

@@ -126,12 +126,7 @@ fn features_are_those_of_the_outcome_and_options_are_kept() {
     recorder.end_frame().expect("a frame");
     recorder.finish().expect("an end");
     let recording = Recording::read(file.as_slice()).expect("a recording");
-    let options = PageOptions {
-        frame: 7,
-        panel: false,
-        colors: vec![[1, 2, 3]],
-        ..PageOptions::default()
-    };
+    let options = PageOptions::default().frame(7).panel(false).colors(vec![[1, 2, 3]]);
     let data = data_of(&page(&recording, &options));
     assert_eq!((&data["frame"], &data["panel"]), (&0.into(), &false.into()));
     assert_eq!(data["bodies"][0]["color"], serde_json::json!([1, 2, 3]));

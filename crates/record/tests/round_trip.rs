@@ -31,7 +31,7 @@ fn pair() -> (String, Vec<lin_canny::Outcome>) {
         let answer = tracker.closest(&cube, &cube, &poses);
         recorder.answer(a, b, &answer).unwrap();
         let groups = tracker
-            .contacts(&cube, &cube, &poses, &ManifoldOptions::with_prediction(10.0))
+            .contacts(&cube, &cube, &poses, &ManifoldOptions::default().prediction(10.0))
             .unwrap();
         recorder.contacts(a, b, groups).unwrap();
         recorder.end_frame().unwrap();
@@ -68,7 +68,7 @@ fn a_scene_is_recorded_with_bodies_that_come_and_go() {
     let all = Group::default();
     let queries = PairQueries::none().distance(1.0).features(true);
     scene
-        .set_queries(all, all, queries.manifold(ManifoldOptions::with_prediction(1.0)))
+        .set_queries(all, all, queries.manifold(ManifoldOptions::default().prediction(1.0)))
         .unwrap();
     let body = |k| Body::moving(cube()).user_data(k);
     let first = scene.insert(body(7), Isometry3::identity()).unwrap();

@@ -212,7 +212,7 @@ pub struct AuditCell {
 pub fn audit_cells(checker: &mut Checker<JointTree>, count: usize) -> Result<Vec<AuditCell>, PlanError> {
     let bounds = checker.space().bounds();
     let limits = [0, 1].map(|k| bounds.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
-    let first = RangeOptions::default().cells(1).samples(0, 1);
+    let first = RangeOptions::default().cells(1).samples(0);
     let mut names: Vec<[String; 2]> = Vec::new();
     for (_, pair) in pairs(checker) {
         if !names.contains(&pair) {

@@ -120,7 +120,7 @@ impl Counted {
         let mut is_undecided = false;
         for (a, b, tracker) in &mut self.bodies {
             let pose = RelativePose::new(&poses[*a], &poses[*b])?;
-            match tracker.decide_within(shape(*a)?, shape(*b)?, &pose, 0.0, &QueryOptions::new()) {
+            match tracker.decide_within(shape(*a)?, shape(*b)?, &pose, 0.0, &QueryOptions::default()) {
                 lin_canny::Decision::Yes => {
                     self.overlaps += 1;
                     return Ok(());

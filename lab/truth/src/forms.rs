@@ -120,7 +120,7 @@ pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
 
 /// Returns the signed distance of two bodies by a new tracker.
 pub fn distance(a: &Form, b: &Form, pose: &RelativePose) -> Distance {
-    let narrow = QueryOptions::new().width(1e-9);
+    let narrow = QueryOptions::default().width(1e-9);
     Distance::from(&PairTracker::new().closest_with(a.lent(), b.lent(), pose, &narrow))
 }
 

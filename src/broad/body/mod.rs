@@ -181,7 +181,7 @@ impl Bodies {
         let index = self.slots.vacant(self.most).ok_or(BroadPhaseError::TooManyBodies)?;
         if index as usize == self.records.len() {
             push(&mut self.records, Record::absent());
-            push(&mut self.details, BodyDetail::new(BodyOptions::moving()));
+            push(&mut self.details, BodyDetail::new(BodyOptions::default()));
         }
         Ok(index)
     }

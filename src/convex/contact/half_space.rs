@@ -57,7 +57,7 @@ const SAMPLE: usize = 48;
 /// let part = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
 /// let resting = Isometry3::translation(3.0, 0.0, 0.49);
 /// let pose = RelativePose::from_isometry(&resting)?;
-/// let options = ManifoldOptions::with_prediction(0.02);
+/// let options = ManifoldOptions::default().prediction(0.02);
 /// let contacts = floor.contacts(&part, &pose, &options);
 /// assert_eq!(contacts.points().len(), 4);
 /// assert!((contacts.distance().value + 0.01).abs() < 1e-15);

@@ -59,22 +59,23 @@ pub struct ManifoldOptions {
 
 impl Default for ManifoldOptions {
     fn default() -> Self {
-        Self::with_prediction(0.0)
-    }
-}
-
-impl ManifoldOptions {
-    /// Returns the default options with a prediction distance, in the caller's unit.
-    #[must_use]
-    pub const fn with_prediction(prediction: f64) -> Self {
         Self {
-            prediction,
+            prediction: 0.0,
             max_points: 4,
             max_face_sine: 0.5,
             rebuild_motion: 1.0 / 1024.0,
             reselect_motion: 1.0 / 16.0,
             local_depth: false,
         }
+    }
+}
+
+impl ManifoldOptions {
+    /// Returns the options with another prediction distance, in the caller's unit.
+    #[must_use]
+    pub const fn prediction(mut self, prediction: f64) -> Self {
+        self.prediction = prediction;
+        self
     }
 
     /// Returns the options with another number of points.

@@ -298,7 +298,7 @@ impl Tracker {
     /// let floor = solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?;
     /// let part = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
     /// let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
-    /// let options = ManifoldOptions::with_prediction(0.02);
+    /// let options = ManifoldOptions::default().prediction(0.02);
     /// for k in 0..10 {
     ///     let at = Isometry3::translation(0.1 * k as f64, 0.0, 1.49);
     ///     let a_from_b = RelativePose::from_isometry(&at)?;

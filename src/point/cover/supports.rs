@@ -73,7 +73,7 @@ impl<'a> Supports<'a> {
         let direction = (direction / size).map(|x| if x.abs() < LEAST { 0.0 } else { x });
         let opposite = HalfSpace::new(-direction, 0.0).ok()?;
         let pair = GeometryRef::half_space_pair([GeometryRef::from(&opposite), self.geometry])?;
-        let found = pair.closest_with(&RelativePose::identity(), &QueryOptions::new());
+        let found = pair.closest_with(&RelativePose::identity(), &QueryOptions::default());
         let height = -found.outcome.lower;
         if !height.is_finite() {
             return None;

@@ -189,13 +189,11 @@ impl Default for CastOptions {
 }
 
 impl CastOptions {
-    /// Returns the options of a cast with a tolerance.
+    /// Sets the largest width of the bracket of a hit.
     #[must_use]
-    pub fn new(tolerance: Tolerance) -> Self {
-        Self {
-            tolerance,
-            ..Self::default()
-        }
+    pub fn tolerance(mut self, tolerance: Tolerance) -> Self {
+        self.tolerance = tolerance;
+        self
     }
 
     /// Sets the distance that the bodies must keep.
@@ -380,7 +378,7 @@ where
     B: Motion + ?Sized,
 {
     check(&interval)?;
-    CastOptions::new(tolerance).distance(distance).check()?;
+    CastOptions::default().tolerance(tolerance).distance(distance).check()?;
     let mut search = CastSearch {
         pair,
         motion_a,

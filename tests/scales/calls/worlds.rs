@@ -25,8 +25,8 @@ fn world(scene: &mut Scene, rng: &mut Rng, mut broad: SweepAndPrune) {
     let margin = 0.05 * scene.unit;
     let insert = |broad: &mut SweepAndPrune, rng: &mut Rng, k: usize| {
         let body = [
-            broad::BodyOptions::moving().margin(margin).lookahead(1.0),
-            broad::BodyOptions::fixed(),
+            broad::BodyOptions::default().margin(margin).lookahead(1.0),
+            broad::BodyOptions::default().fixed(true),
         ][k % 2];
         broad.insert(&aabb(scene, rng), body).expect("a box")
     };
@@ -61,7 +61,7 @@ pub(super) fn scenes(scene: &mut Scene, rng: &mut Rng) {
         .distance(0.5 * scene.unit)
         .features(true)
         .depth(true)
-        .manifold(ManifoldOptions::with_prediction(0.1 * scene.unit))
+        .manifold(ManifoldOptions::default().prediction(0.1 * scene.unit))
         .impact(Tolerance::Distance(1e-4 * scene.unit));
     world.set_queries(CONVEX, CONVEX, queries).expect("queries");
     // Compounds and meshes have no depth in a scene.

@@ -66,13 +66,13 @@ fn queries_of_pairs_have_the_bits_of_rust() {
             same_points([r.distance, r.lower, r.upper], points, &c, name);
             // Less depth.
             for (depth, mask) in [(DepthMode::None, LC_NO_DEPTH), (DepthMode::Local, LC_LOCAL_DEPTH)] {
-                let r = tracker.closest_with(a, b, &pose, &QueryOptions::new().depth(depth));
+                let r = tracker.closest_with(a, b, &pose, &QueryOptions::default().depth(depth));
                 let subshapes = r.locations.map(|location| location.subshape);
                 same(&r, subshapes, &pose, &ask(pair, &pose_b, ALL | mask), name);
             }
             // Within a distance, and sharing a point.
             for distance in [0.25, 0.0] {
-                let r = tracker.decide_within(a, b, &pose, distance, &QueryOptions::new());
+                let r = tracker.decide_within(a, b, &pose, distance, &QueryOptions::default());
                 let there = of(&pose_b);
                 // SAFETY: two poses and a place for a number.
                 let c = written(|out| unsafe { lc_pair_within(pair, &here(), &there, distance, out) });
@@ -156,7 +156,7 @@ fn contacts_have_the_bits_of_rust() {
             // SAFETY: two poses, and places for 512 contacts.
             let status =
                 unsafe { lc_pair_contacts(pair, &here(), &there, 0.125, most as u32, place, size, 512, &mut count) };
-            let options = ManifoldOptions::with_prediction(0.125).max_points(if most == 0 { 4 } else { most });
+            let options = ManifoldOptions::default().prediction(0.125).max_points(if most == 0 { 4 } else { most });
             let Ok(groups) = tracker.contacts(a, b, &relative(&pose_b), &options) else {
                 assert_eq!(status, lc_status::LC_REFUSED, "{name}");
                 continue;
@@ -198,7 +198,7 @@ fn casts_have_the_bits_of_rust() {
             ];
             let accepts = k % 2 == 1;
             let distance = if k % 3 == 0 { 0.0625 } else { 0.0 };
-            let mut options = CastOptions::new(Tolerance::Distance(1e-6)).distance(distance);
+            let mut options = CastOptions::default().tolerance(Tolerance::Distance(1e-6)).distance(distance);
             options.start_contact_margin = accepts.then_some(0.25);
             let bodies = [a.into(), b.into()];
             let r = tracker.cast_from_contact(bodies, &motions[0], &motions[1], 0.0..2.0, &options, None);

@@ -51,7 +51,9 @@ pub(super) fn write<M, C: Default + Copy>(
     let Ok(at) = RelativePose::new(&of_a.at, &(turned * of_b.at)) else {
         return false;
     };
-    let mut chosen = ManifoldOptions::with_prediction(f64::from(reach)).local_depth(true);
+    let mut chosen = ManifoldOptions::default()
+        .prediction(f64::from(reach))
+        .local_depth(true);
     (chosen.max_face_sine, chosen.max_points) = (f64::from(options.max_face_sine), options.max_points);
     let mut manifold = Manifold::new();
     let mut tracker = match hint(out, &of_a) {

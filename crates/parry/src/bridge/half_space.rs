@@ -36,8 +36,8 @@ pub(super) fn write<M, C: Default + Copy>(
     ) else {
         return false;
     };
-    let mut chosen =
-        ManifoldOptions::with_prediction(f64::from(prediction) * f64::from(options.prediction_factor) + part.radius);
+    let mut chosen = ManifoldOptions::default()
+        .prediction(f64::from(prediction) * f64::from(options.prediction_factor) + part.radius);
     (chosen.max_face_sine, chosen.max_points) = (f64::from(options.max_face_sine), options.max_points);
     let contacts = space.contacts(part.body(), &at, &chosen);
     let up = space.normal().into_inner();

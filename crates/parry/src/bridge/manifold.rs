@@ -43,7 +43,7 @@ impl<'a> PosedPair<'a> {
         (out.local_n1, out.local_n2) = self.normals(&outcome);
         exchange(out, |points| {
             if outcome.lower <= prediction {
-                let mut chosen = ManifoldOptions::with_prediction(prediction);
+                let mut chosen = ManifoldOptions::default().prediction(prediction);
                 (chosen.max_face_sine, chosen.max_points) = (f64::from(options.max_face_sine), options.max_points);
                 let manifold = Manifold::from_outcome(self.a.body(), self.b.body(), &self.pose, &outcome, &chosen);
                 for p in manifold.points() {

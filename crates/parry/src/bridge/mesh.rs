@@ -136,7 +136,8 @@ pub(super) fn write<M: Default, C: Default + Copy>(
     ) else {
         return false;
     };
-    let mut chosen = ManifoldOptions::with_prediction(f64::from(prediction) * f64::from(options.prediction_factor));
+    let mut chosen =
+        ManifoldOptions::default().prediction(f64::from(prediction) * f64::from(options.prediction_factor));
     (chosen.max_face_sine, chosen.max_points) = (f64::from(options.max_face_sine), options.max_points);
     let mut pair = state
         .take()

@@ -622,7 +622,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         let tolerance = contact_tolerance(&pair);
         let found = match (start_contact, trail) {
             (Some(contact), trail) => {
-                let options = CastOptions::new(tolerance)
+                let options = CastOptions::default()
+                    .tolerance(tolerance)
                     .distance(margin)
                     .start_contact_margin(contact);
                 let bodies = [a.into(), b.into()];

@@ -329,9 +329,9 @@ impl Pairs {
                     self.boxes.remove(id)?;
                 }
                 let id = if is_bounded[0] {
-                    self.boxes.insert(&aabb, BodyOptions::fixed())?
+                    self.boxes.insert(&aabb, BodyOptions::default().fixed(true))?
                 } else {
-                    self.boxes.insert_unbounded(&aabb, BodyOptions::fixed())?
+                    self.boxes.insert_unbounded(&aabb, BodyOptions::default().fixed(true))?
                 };
                 let at = id.index as usize;
                 self.of_box.resize(self.of_box.len().max(at + 1), 0);

@@ -49,10 +49,16 @@ impl RangeOptions {
         Self { width, ..self }
     }
 
-    /// Sets the number of random configurations and their seed.
+    /// Sets the number of random configurations.
     #[must_use]
-    pub fn samples(self, samples: u32, seed: u64) -> Self {
-        Self { samples, seed, ..self }
+    pub fn samples(self, samples: u32) -> Self {
+        Self { samples, ..self }
+    }
+
+    /// Sets the seed of the samples.
+    #[must_use]
+    pub fn seed(self, seed: u64) -> Self {
+        Self { seed, ..self }
     }
 }
 

@@ -74,6 +74,20 @@ impl SmoothOptions {
         }
     }
 
+    /// Sets the limits of velocity, one of each coordinate.
+    #[must_use]
+    pub fn velocity(mut self, velocity: impl Into<Vec<f64>>) -> Self {
+        self.velocity = velocity.into();
+        self
+    }
+
+    /// Sets the limits of acceleration, one of each coordinate.
+    #[must_use]
+    pub fn acceleration(mut self, acceleration: impl Into<Vec<f64>>) -> Self {
+        self.acceleration = acceleration.into();
+        self
+    }
+
     /// Sets whether accelerations are continuous.
     #[must_use]
     pub const fn continuous_acceleration(mut self, is_continuous: bool) -> Self {

@@ -118,7 +118,7 @@ fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
             .attach("b", "part", part, pose(&mut rng, 0.5 * size), &[])
             .expect("a part");
         let [low, high] = ranges(&mut rng, &limits);
-        let mut options = RangeOptions::default().cells(200).samples(40, 1);
+        let mut options = RangeOptions::default().cells(200).samples(40);
         if k % 2 == 0 {
             options = options.width(ClearanceWidth::Share(0.2));
         }

@@ -686,7 +686,7 @@ fn a_caller_stops_a_search() {
         seen = progress.done;
         lin_canny::Progress::stop_if(progress.done >= 3)
     };
-    let options = RangeOptions::default().samples(5, 1);
+    let options = RangeOptions::default().samples(5);
     let answers = RangeProver::new(&options)
         .progress(&mut stop)
         .all_pairs(&mut checker, &low, &high)
@@ -704,7 +704,7 @@ fn meshes_of_a_cell_hold_at_samples() {
     for _ in 0..12 {
         let [low, high] = ranges(&mut rng, arm.bounds());
         let mut checker = Checker::new(made.arm(), made.cell()).expect("a cell");
-        let options = RangeOptions::default().cells(60).samples(20, 1);
+        let options = RangeOptions::default().cells(60).samples(20);
         let answers = RangeProver::new(&options)
             .all_pairs(&mut checker, &low, &high)
             .expect("a range");

@@ -213,7 +213,9 @@ impl PairTracker {
     ) -> PyResult<Cast> {
         let motions = [motion(pose_a, velocity_a)?, motion(pose_b, velocity_b)?];
         let (a, b) = (&a.get().0, &b.get().0);
-        let mut options = CastOptions::new(Tolerance::Distance(tolerance)).distance(distance);
+        let mut options = CastOptions::default()
+            .tolerance(Tolerance::Distance(tolerance))
+            .distance(distance);
         options.start_contact_margin = start_contact_margin;
         let [from, to] = &motions;
         let cast = py.detach(|| {

@@ -31,12 +31,12 @@ pub(super) fn manifold_options(prediction: f64, max_points: usize) -> PyResult<M
             "prediction is {prediction} (expected at least 0), max_points is {max_points} (expected 1 to 8)"
         )));
     }
-    Ok(ManifoldOptions::with_prediction(prediction).max_points(max_points))
+    Ok(ManifoldOptions::default().prediction(prediction).max_points(max_points))
 }
 
 /// Returns the options of a depth, or what is wrong with them.
 pub(super) fn depth_options(tolerance: Option<f64>, budget: Option<usize>) -> PyResult<QueryOptions> {
-    let mut options = QueryOptions::new();
+    let mut options = QueryOptions::default();
     if let Some(tolerance) = tolerance {
         if !(tolerance >= 0.0) {
             return Err(refused(format!("tolerance is {tolerance} (expected at least 0)")));

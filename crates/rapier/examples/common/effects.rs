@@ -15,7 +15,7 @@ const NOTHING: scene::PairQueries = scene::PairQueries::none();
 
 /// The sets of effects, each with one more than the one before.
 pub(crate) fn sets() -> Vec<(&'static str, Effects, scene::PairQueries)> {
-    let near = ManifoldOptions::with_prediction(0.02);
+    let near = ManifoldOptions::default().prediction(0.02);
     let overlap = NOTHING.overlap(true);
     let contacts = overlap.manifold(near);
     let mut e = Effects::none();

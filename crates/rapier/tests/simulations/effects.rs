@@ -64,7 +64,7 @@ fn without_response_no_engine_is_built_and_bodies_pass() {
 fn what_is_observed_is_told_without_response() {
     let observe = scene::PairQueries::none()
         .overlap(true)
-        .manifold(ManifoldOptions::with_prediction(0.05));
+        .manifold(ManifoldOptions::default().prediction(0.05));
     let settings = Settings::default().queries(observe);
     let effects = Effects {
         gravity: Some(DOWN),

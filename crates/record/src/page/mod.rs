@@ -12,6 +12,7 @@ const TEMPLATE: &str = include_str!("page.html");
 
 /// Options of [`page`].
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PageOptions {
     /// The frame that the page shows first, or the last frame if the number is larger.
     pub frame: usize,
@@ -32,6 +33,36 @@ impl Default for PageOptions {
             panel: true,
             colors: Vec::new(),
         }
+    }
+}
+
+impl PageOptions {
+    /// Sets the frame that the page shows first.
+    #[must_use]
+    pub fn frame(mut self, frame: usize) -> Self {
+        self.frame = frame;
+        self
+    }
+
+    /// Sets yaw, pitch and distance of the camera.
+    #[must_use]
+    pub fn view(mut self, view: [f64; 3]) -> Self {
+        self.view = view;
+        self
+    }
+
+    /// Sets whether the panel is open at first.
+    #[must_use]
+    pub fn panel(mut self, panel: bool) -> Self {
+        self.panel = panel;
+        self
+    }
+
+    /// Sets the colours of bodies, by number.
+    #[must_use]
+    pub fn colors(mut self, colors: Vec<[u8; 3]>) -> Self {
+        self.colors = colors;
+        self
     }
 }
 

@@ -236,7 +236,7 @@ pub(super) fn manifolds(t: &mut Teller, r: &mut Random) {
             1 => a.clone(),
             _ => hull(r, 20, 2),
         };
-        let options = ManifoldOptions::with_prediction(0.1);
+        let options = ManifoldOptions::default().prediction(0.1);
         let (mut warm, mut manifold) = (Tracker::new(), Manifold::new());
         for frame in 0..25 {
             // Upon each other, nearly flat.
@@ -271,7 +271,7 @@ pub(super) fn half_spaces(t: &mut Teller, r: &mut Random) {
         t.tell("distance", floor.distance(&body, &pose));
         t.tell(
             "contacts",
-            floor.contacts(&body, &pose, &ManifoldOptions::with_prediction(0.2)),
+            floor.contacts(&body, &pose, &ManifoldOptions::default().prediction(0.2)),
         );
     }
 }
@@ -307,7 +307,7 @@ pub(super) fn files(t: &mut Teller, r: &mut Random) {
             json(t, "again", serde_json::to_string(&back));
             let n = recorder.body("body", g, &isometry(r, 1.0)).expect("a body");
             if n > 0 {
-                let found = pair.closest_with(&geometries[0], &back, &pose, &QueryOptions::new().splits(300));
+                let found = pair.closest_with(&geometries[0], &back, &pose, &QueryOptions::default().splits(300));
                 recorder.answer(0, n, &found).expect("an answer");
             }
         }

@@ -7,7 +7,7 @@ use lin_canny::nalgebra::Point3;
 use lin_canny::{DepthMode, Manifold, ManifoldOptions, PairTracker, QueryOptions, Shape};
 
 fn shape_pair(t: &mut Teller, r: &mut Random, a: &Shape, b: &Shape, frames: u64) {
-    let options = ManifoldOptions::with_prediction(0.05);
+    let options = ManifoldOptions::default().prediction(0.05);
     let (mut warm, mut manifold) = (PairTracker::new(), Manifold::new());
     let about = [0.7, 1.5, 1.9, 3.0][r.below(4) as usize];
     let mut drift = Drift::new(r, 0.03, about);
@@ -16,7 +16,7 @@ fn shape_pair(t: &mut Teller, r: &mut Random, a: &Shape, b: &Shape, frames: u64)
         t.tell("warm", warm.closest(a, b, &pose));
         t.tell(
             "cold",
-            PairTracker::new().closest_with(a, b, &pose, &QueryOptions::new().depth(DepthMode::Local)),
+            PairTracker::new().closest_with(a, b, &pose, &QueryOptions::default().depth(DepthMode::Local)),
         );
         t.tell("distance", warm.distance(a, b, &pose));
         t.tell("lower", warm.lower_bound(a, b, &pose));

@@ -29,7 +29,7 @@ pub(super) fn parts<'g>(
         if k % 8 == 0 {
             t.tell("cold", PairTracker::new().closest(a, b, &pose));
             t.tell("penetration", warm.penetration(a, b, &pose));
-            let few = QueryOptions::new().splits(100);
+            let few = QueryOptions::default().splits(100);
             t.tell("few", warm.decide_within(a, b, &pose, 0.05, &few));
         }
     }
@@ -49,7 +49,7 @@ pub(super) fn meshes(t: &mut Teller, r: &mut Random) {
 }
 
 pub(super) fn mesh_contacts(t: &mut Teller, r: &mut Random) {
-    let options = ManifoldOptions::with_prediction(0.2);
+    let options = ManifoldOptions::default().prediction(0.2);
     for _ in 0..t.rounds(4) {
         let bodies = [dented(&round(r, 24), 0.8), dented(&round(r, 24), 0.9)].map(ConvexPatches::from_mesh);
         let pieces = [compound(r), compound(r)].map(ConvexPatches::from_compound);
@@ -196,7 +196,7 @@ pub(super) fn any_pair(t: &mut Teller, r: &mut Random) {
             t.tell("within", WITHIN.map(|d| tracker.within(a, b, &pose, d)));
             t.tell(
                 "contacts",
-                tracker.contacts(a, b, &pose, &ManifoldOptions::with_prediction(0.2)),
+                tracker.contacts(a, b, &pose, &ManifoldOptions::default().prediction(0.2)),
             );
         }
     }
@@ -257,7 +257,7 @@ pub(super) fn clouds(t: &mut Teller, r: &mut Random) {
         parts(t, r, 6, &first, &second);
         let shape = curved()[r.below(9) as usize].clone();
         parts(t, r, 6, &second, &shape);
-        let options = ManifoldOptions::with_prediction(0.1);
+        let options = ManifoldOptions::default().prediction(0.1);
         let mut tracker = PairTracker::new();
         for _ in 0..3 {
             let apart = r.range(0.3, 1.9);

@@ -235,7 +235,7 @@ pub(super) fn ranges(t: &mut Teller, r: &mut Random) {
         let half = [0.05, 0.3, 0.6][k as usize % 3];
         let low: Vec<f64> = q.iter().map(|x| x - half).collect();
         let high: Vec<f64> = q.iter().map(|x| x + half).collect();
-        let mut options = RangeOptions::default().cells(60).samples(8, k);
+        let mut options = RangeOptions::default().cells(60).samples(8).seed(k);
         if k % 2 == 1 {
             options = options.width(ClearanceWidth::Share(0.1));
         }
@@ -258,7 +258,7 @@ pub(super) fn ranges(t: &mut Teller, r: &mut Random) {
         let q = checker.space().sample(&mut || r.range(0.3, 0.7));
         let low: Vec<f64> = q.iter().map(|x| x - 0.1).collect();
         let high: Vec<f64> = q.iter().map(|x| x + 0.1).collect();
-        let options = RangeOptions::default().cells(40).samples(4, 1);
+        let options = RangeOptions::default().cells(40).samples(4);
         t.tell("rigid", RangeProver::new(&options).all_pairs(&mut checker, &low, &high));
     }
 }

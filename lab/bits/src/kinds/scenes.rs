@@ -17,8 +17,8 @@ pub(super) fn boxes(t: &mut Teller, r: &mut Random) {
     let mut broad = SweepAndPrune::new();
     let mut ids: Vec<_> = (0..300)
         .map(|k| {
-            let moving = broad::BodyOptions::moving().margin(0.05).lookahead(1.0);
-            let body = [moving, broad::BodyOptions::fixed()][k % 2];
+            let moving = broad::BodyOptions::default().margin(0.05).lookahead(1.0);
+            let body = [moving, broad::BodyOptions::default().fixed(true)][k % 2];
             broad.insert(&aabb(r), body).expect("a box")
         })
         .collect();
@@ -26,7 +26,7 @@ pub(super) fn boxes(t: &mut Teller, r: &mut Random) {
         for id in ids.iter_mut().step_by(2) {
             if frame % 10 == 3 && r.below(8) == 0 {
                 broad.remove(*id).expect("a body");
-                *id = broad.insert(&aabb(r), broad::BodyOptions::moving()).expect("a box");
+                *id = broad.insert(&aabb(r), broad::BodyOptions::default()).expect("a box");
             }
             broad.set_box(*id, &aabb(r)).expect("a box");
         }
@@ -56,7 +56,7 @@ pub(super) fn scenes(t: &mut Teller, r: &mut Random) {
             .distance(0.5)
             .features(true)
             .depth(true)
-            .manifold(ManifoldOptions::with_prediction(0.1))
+            .manifold(ManifoldOptions::default().prediction(0.1))
             .impact(Tolerance::Distance(1e-4));
         world.set_queries(CONVEX, CONVEX, queries).expect("queries");
         let queries = queries.depth(false);

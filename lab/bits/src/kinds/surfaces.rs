@@ -27,15 +27,15 @@ pub(super) fn surfaces(t: &mut Teller, r: &mut Random) {
             let pose = relative(&drift.next(r));
             t.tell(
                 "closest",
-                warm.closest_with(&a, &b, &pose, &QueryOptions::new().width(1e-6).splits(3000)),
+                warm.closest_with(&a, &b, &pose, &QueryOptions::default().width(1e-6).splits(3000)),
             );
             t.tell(
                 "intersects",
-                warm.decide_within(&a, &b, &pose, 0.0, &QueryOptions::new().splits(2000)),
+                warm.decide_within(&a, &b, &pose, 0.0, &QueryOptions::default().splits(2000)),
             );
             t.tell(
                 "within",
-                warm.decide_within(&a, &b, &pose, 0.3, &QueryOptions::new().splits(2000)),
+                warm.decide_within(&a, &b, &pose, 0.3, &QueryOptions::default().splits(2000)),
             );
         }
     }
@@ -59,11 +59,11 @@ pub(super) fn surfaces_mixed(t: &mut Teller, r: &mut Random) {
                 let pose = pose(r, apart);
                 t.tell(
                     "closest",
-                    tracker.closest_with(a, b, &pose, &QueryOptions::new().width(1e-6).splits(2000)),
+                    tracker.closest_with(a, b, &pose, &QueryOptions::default().width(1e-6).splits(2000)),
                 );
                 t.tell(
                     "within",
-                    tracker.decide_within(a, b, &pose, 0.3, &QueryOptions::new().splits(2000)),
+                    tracker.decide_within(a, b, &pose, 0.3, &QueryOptions::default().splits(2000)),
                 );
             }
         }

@@ -84,7 +84,7 @@ pub(super) fn meshes_zeros(t: &mut Teller, r: &mut Random) {
                 t.tell("penetration", warm.penetration(x, y, &pose));
                 t.tell(
                     "contacts",
-                    warm.contacts(x, y, &pose, &ManifoldOptions::with_prediction(0.2)),
+                    warm.contacts(x, y, &pose, &ManifoldOptions::default().prediction(0.2)),
                 );
             }
         }
@@ -137,9 +137,9 @@ pub(super) fn boxes_zeros(t: &mut Teller, r: &mut Random) {
     };
     let ids: Vec<_> = (0..120)
         .map(|k| {
-            let moving = broad::BodyOptions::moving().margin([0.0, 0.1][k / 2 % 2]);
+            let moving = broad::BodyOptions::default().margin([0.0, 0.1][k / 2 % 2]);
             broad
-                .insert(&aabb(r), [moving, broad::BodyOptions::fixed()][k % 2])
+                .insert(&aabb(r), [moving, broad::BodyOptions::default().fixed(true)][k % 2])
                 .expect("a box")
         })
         .collect();
@@ -167,7 +167,7 @@ pub(super) fn scenes_zeros(t: &mut Teller, r: &mut Random) {
             .overlap(true)
             .distance(0.5)
             .features(true)
-            .manifold(ManifoldOptions::with_prediction(0.1));
+            .manifold(ManifoldOptions::default().prediction(0.1));
         world.set_queries(CONVEX, CONVEX, queries.depth(true)).expect("queries");
         world.set_queries(PARTS, CONVEX, queries).expect("queries");
         world.set_queries(PARTS, PARTS, queries).expect("queries");
@@ -200,7 +200,7 @@ pub(super) fn surfaces_zeros(t: &mut Teller, r: &mut Random) {
     for k in 0..t.rounds(60) as usize {
         let pose = relative(&lattice_pose(r));
         let mut tracker = PairTracker::new();
-        let few = QueryOptions::new().width(1e-4).splits(400);
+        let few = QueryOptions::default().width(1e-4).splits(400);
         t.tell("self", tracker.closest_with(&flat, &flat, &pose, &few));
         t.tell(
             "shape",

@@ -57,32 +57,40 @@ const DISTANCE: PairQueries = WITHIN.distance(0.1);
 
 const DEPTH: PairQueries = DISTANCE.features(true).depth(true);
 
-const MANIFOLD: ManifoldOptions = ManifoldOptions::with_prediction(0.02);
+fn manifold() -> ManifoldOptions {
+    ManifoldOptions::default().prediction(0.02)
+}
 
-const FULL: PairQueries = DEPTH.manifold(MANIFOLD);
+fn full() -> PairQueries {
+    DEPTH.manifold(manifold())
+}
 
 /// The queries that a manifold includes.
-const MEASURED: PairQueries = NONE.features(true).depth(true).manifold(MANIFOLD);
+fn measured() -> PairQueries {
+    NONE.features(true).depth(true).manifold(manifold())
+}
 
 /// Growing sets, then the full set with one query removed. A manifold includes features and depth,
 /// so it is removed together with either.
-const SETS: [(&str, PairQueries); 15] = [
-    ("none", NONE),
-    ("boxes", NONE.boxes(true)),
-    ("+overlap", OVERLAP),
-    ("+within", WITHIN),
-    ("+distance", DISTANCE),
-    ("+features", DISTANCE.features(true)),
-    ("+depth", DEPTH),
-    ("full", FULL),
-    ("full-boxes", FULL.boxes(false)),
-    ("full-overlap", FULL.overlap(false)),
-    ("full-within", MEASURED.boxes(true).overlap(true).distance(0.1)),
-    ("full-distance", MEASURED.boxes(true).overlap(true).within(0.05)),
-    ("full-features", DISTANCE.depth(true)),
-    ("full-depth", DISTANCE.features(true)),
-    ("full-manifold", DEPTH),
-];
+fn sets() -> [(&'static str, PairQueries); 15] {
+    [
+        ("none", NONE),
+        ("boxes", NONE.boxes(true)),
+        ("+overlap", OVERLAP),
+        ("+within", WITHIN),
+        ("+distance", DISTANCE),
+        ("+features", DISTANCE.features(true)),
+        ("+depth", DEPTH),
+        ("full", full()),
+        ("full-boxes", full().boxes(false)),
+        ("full-overlap", full().overlap(false)),
+        ("full-within", measured().boxes(true).overlap(true).distance(0.1)),
+        ("full-distance", measured().boxes(true).overlap(true).within(0.05)),
+        ("full-features", DISTANCE.depth(true)),
+        ("full-depth", DISTANCE.features(true)),
+        ("full-manifold", DEPTH),
+    ]
+}
 
 /// The sets that are drawn: the growing sets except the first, which costs nothing.
 const DRAWN: std::ops::Range<usize> = 1..8;
@@ -151,10 +159,10 @@ fn fastest(
     motion: &[Vec<Isometry3<f64>>],
     repeats: usize,
 ) -> Result<Vec<Vec<Step>>, Trouble> {
-    let progress = Progress::new("steps", (SETS.len() * repeats * STEPS) as u64);
-    let mut best: Vec<Option<Vec<Step>>> = vec![None; SETS.len()];
+    let progress = Progress::new("steps", (sets().len() * repeats * STEPS) as u64);
+    let mut best: Vec<Option<Vec<Step>>> = vec![None; sets().len()];
     for _ in 0..repeats {
-        for ((name, queries), best) in SETS.iter().zip(&mut best) {
+        for ((name, queries), best) in sets().iter().zip(&mut best) {
             progress.say(name);
             let steps = run(shapes, crowd, motion, *queries, &progress)?;
             match best {
@@ -213,7 +221,7 @@ fn show(bodies: usize, runs: &[Vec<Step>]) {
         "depths",
         "manifolds"
     );
-    for ((name, _), reports) in SETS.iter().zip(runs) {
+    for ((name, _), reports) in sets().iter().zip(runs) {
         let Step { report, .. } = total(reports);
         let (c, t) = (report.counts, report.times);
         let mean = |v: u64| v as f64 / STEPS as f64;
@@ -238,7 +246,7 @@ fn table(runs: &[Vec<Step>]) -> String {
     let mut csv = String::from(
         "effects,steps,boxes,pairs,events,box_events,asked,budget,balls,walked,certificates,overlaps,withins,distances,features,depths,manifolds,ns_boxes,ns_pairs,ns_look,ns_events,ns\n",
     );
-    for ((name, _), reports) in SETS.iter().zip(runs) {
+    for ((name, _), reports) in sets().iter().zip(runs) {
         let Step { report, met } = total(reports);
         let (c, t) = (report.counts, report.times);
         let counts = [
@@ -286,7 +294,7 @@ fn draw(runs: &[Vec<Step>], bodies: usize, out: &Path) -> Result<(), Trouble> {
         .legend_beside()
         .from_zero()
         .size(860, 320);
-    for ((name, _), reports) in SETS[DRAWN].iter().zip(&runs[DRAWN]) {
+    for ((name, _), reports) in sets()[DRAWN].iter().zip(&runs[DRAWN]) {
         time = time.line(*name, curve(reports, &|r| r.times.total().as_secs_f64() * 1e6));
         work = work.line(*name, curve(reports, &|r| r.counts.queries as f64));
     }

@@ -92,9 +92,9 @@ impl Bytes<'_> {
     fn options(&mut self) -> BodyOptions {
         let kind = self.byte();
         let body = if kind.is_multiple_of(2) {
-            BodyOptions::moving()
+            BodyOptions::default()
         } else {
-            BodyOptions::fixed()
+            BodyOptions::default().fixed(true)
         };
         match kind / 2 % 3 {
             0 => body.groups(self.groups()),
@@ -170,7 +170,7 @@ impl Fed {
             }
             6 => {
                 let aabb = bytes.aabb();
-                let id = self.broad.insert_unbounded(&aabb, BodyOptions::moving());
+                let id = self.broad.insert_unbounded(&aabb, BodyOptions::default());
                 self.given(&id);
             }
             7..9 => {
@@ -200,7 +200,7 @@ impl Fed {
         for i in 0..1 + size % 4 {
             for j in 0..1 + size / 4 % 8 {
                 let low = Point3::new(f64::from(i), f64::from(j), 0.0) * gap;
-                self.insert(&Aabb::new(low, low + Vector3::repeat(1.0)), BodyOptions::moving());
+                self.insert(&Aabb::new(low, low + Vector3::repeat(1.0)), BodyOptions::default());
             }
         }
     }
@@ -242,7 +242,7 @@ impl Fed {
         if bytes.byte() < 200 {
             self.step(); // the index is free only now
         }
-        self.insert(&place, BodyOptions::moving());
+        self.insert(&place, BodyOptions::default());
     }
 
     /// Moves a body by a fraction of a unit per step, possibly from another body's position.

@@ -395,7 +395,7 @@ fn press(seed: u64) -> Result<Mix, String> {
         };
         let pose = RelativePose::from_isometry(&at).map_err(|e| e.to_string())?;
         let prediction = 2.0 * overlap + *rng.pick(&[1e-9, 1e-2]);
-        let options = ManifoldOptions::with_prediction(prediction);
+        let options = ManifoldOptions::default().prediction(prediction);
         let found = tracker
             .contacts(first, second, &pose, &options)
             .map_err(|e| e.to_string())?

@@ -134,9 +134,9 @@ impl Play {
     fn insert(&mut self, brick: Brick) -> Result<(), String> {
         let fixed = self.rng.chance(0.05);
         let body = if fixed {
-            BodyOptions::fixed()
+            BodyOptions::default().fixed(true)
         } else {
-            BodyOptions::moving()
+            BodyOptions::default()
         };
         let id = self.broad.insert(&brick.aabb(), body).map_err(|e| e.to_string())?;
         let slide = [0.0; 3];

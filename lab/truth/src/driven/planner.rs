@@ -442,7 +442,7 @@ impl Play {
         let half = self.rng.log_range(1e-3, 1.0);
         let low: Vec<f64> = q.iter().map(|x| (x - half).max(-3.0)).collect();
         let high: Vec<f64> = q.iter().map(|x| (x + half).min(3.0)).collect();
-        let options = RangeOptions::default().cells(80).samples(6, 1);
+        let options = RangeOptions::default().cells(80).samples(6);
         let answers = RangeProver::new(&options)
             .all_pairs(&mut self.checker, &low, &high)
             .map_err(told)?;

@@ -247,7 +247,7 @@ fn measured(geometry: &Geometry) {
     let pose = RelativePose::from_isometry(&Isometry3::translation(radius.min(1e99), 0.0, 0.0));
     let Ok(pose) = pose else { return };
     // Surfaces that coincide use up any budget.
-    let few = QueryOptions::new().splits(50);
+    let few = QueryOptions::default().splits(50);
     let found = PairTracker::new().closest_with(geometry, geometry, &pose, &few);
     assert!(found.lower <= found.upper && !found.distance.is_nan(), "{found:?}");
 }

@@ -106,7 +106,7 @@ fn pair(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let mut mix = Mix::default();
     let (a, b) = (surface(&mut rng)?, surface(&mut rng)?);
-    let options = QueryOptions::new().width(1e-6).splits(4000);
+    let options = QueryOptions::default().width(1e-6).splits(4000);
     let mut at = Vector3::from(rng.unit()) * rng.range(0.2, 3.0);
     let step = Vector3::from(rng.in_ball()) * 0.05;
     let (mut turn, small) = (

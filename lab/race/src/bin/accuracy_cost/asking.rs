@@ -106,7 +106,7 @@ impl Ask<'_> {
             Ask::Certified(t) => t.closest(a, b, &relative()).distance,
             Ask::Exact(t) => t.closest_exact(a, b, &relative()).distance,
             Ask::Manifold(t, m) => {
-                t.manifold(a, b, &relative(), &ManifoldOptions::with_prediction(f64::MAX), m);
+                t.manifold(a, b, &relative(), &ManifoldOptions::default().prediction(f64::MAX), m);
                 m.points().iter().fold(f64::INFINITY, |d, p| d.min(p.separation))
             }
             Ask::Inner([a, b], t) => t.distance(&a.inner, &b.inner, &relative()).value - 0.5 * (a.bound + b.bound),

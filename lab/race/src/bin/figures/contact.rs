@@ -24,7 +24,7 @@ pub(crate) fn picture() -> Result<String, Trouble> {
     let plate = solids::prism(24, 0.2, 1.0)?;
     let part = solids::cuboid(Vector3::new(0.35, 0.25, 0.2))?;
     let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
-    let options = ManifoldOptions::with_prediction(0.01);
+    let options = ManifoldOptions::default().prediction(0.01);
     let mut svg = Svg::new(
         3 * PANEL as u32 + 20,
         330,

@@ -104,7 +104,7 @@ fn ask(engine: Engine, race: &Race, frame: usize, state: &mut State) -> Answer {
                 return none;
             };
             let (a, b) = (&race.scene.a, &race.scene.b);
-            let options = ManifoldOptions::with_prediction(PREDICTION);
+            let options = ManifoldOptions::default().prediction(PREDICTION);
             state.tracker.manifold(a, b, &relative, &options, &mut state.manifold);
             let points = state.manifold.points();
             let deepest = points.iter().map(|p| p.separation).reduce(f64::min);

@@ -57,7 +57,7 @@ fn tumbling(a: &BezierSurface, b: &BezierSurface, seed: u64, frames: usize) -> V
         };
         for _ in 0..if poses.is_empty() { 60 } else { 2 } {
             let d = tracker
-                .closest_with(a, b, &relative(&pose), &QueryOptions::new().width(1e-3))
+                .closest_with(a, b, &relative(&pose), &QueryOptions::default().width(1e-3))
                 .distance;
             x += if d > 0.0 {
                 0.5 * (0.2 + 0.09 * phase.sin() - d)
@@ -147,14 +147,14 @@ fn race(rows: &mut Rows, scene: &str, pairs: &[[BezierSurface; 2]], frames: usiz
                 black_box(
                     tracker
                         .borrow_mut()
-                        .closest_with(a, b, &relative(p), &QueryOptions::new().width(width)),
+                        .closest_with(a, b, &relative(p), &QueryOptions::default().width(width)),
                 );
             };
             each(poses, || tracker.borrow_mut().reset(), query)
         });
         put(shape, "ours-cold", &|[a, b], poses| {
             let query = |p: &Pose| {
-                black_box(PairTracker::new().closest_with(a, b, &relative(p), &QueryOptions::new().width(width)));
+                black_box(PairTracker::new().closest_with(a, b, &relative(p), &QueryOptions::default().width(width)));
             };
             each(poses, || (), query)
         });

@@ -53,7 +53,9 @@ impl<'a> Fixed<'a> {
         let mut boxes = SweepAndPrune::new();
         for (hull, pose) in &room.hulls {
             let aabb = Aabb::from(hull.aabb_at(pose, &mut BoxHint::default()));
-            boxes.insert(&aabb, BodyOptions::fixed()).expect("a finite box");
+            boxes
+                .insert(&aabb, BodyOptions::default().fixed(true))
+                .expect("a finite box");
         }
         boxes.step();
         Self {

@@ -307,7 +307,7 @@ const ON: f64 = 1e-12;
 /// takes every point for inside.
 fn contacts(trial: &Trial, place: &Place, size: f64, pair: &mut PairTracker) -> Option<String> {
     let [a, b] = &trial.shapes;
-    let options = ManifoldOptions::with_prediction(0.02 * size);
+    let options = ManifoldOptions::default().prediction(0.02 * size);
     let mut manifold = Manifold::new();
     if let Err(error) = pair.manifold(a, b, &place.pose(), &options, &mut manifold) {
         return Some(format!("no contacts: {error}"));

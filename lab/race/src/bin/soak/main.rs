@@ -183,7 +183,7 @@ impl Run<'_> {
     /// Judges the manifold of an outcome.
     fn contacts(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {
         let (a, b) = (&self.trial.a.body, &self.trial.b.body);
-        let options = ManifoldOptions::with_prediction(o.upper.max(0.0));
+        let options = ManifoldOptions::default().prediction(o.upper.max(0.0));
         self.tally.manifolds += 1;
         self.judge
             .contact_fault(frame, o, &Manifold::from_outcome(a, b, pose, o, &options))

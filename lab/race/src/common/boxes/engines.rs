@@ -32,7 +32,7 @@ impl Ours {
         } else {
             0.0
         };
-        let body = BodyOptions::moving().margin(margin);
+        let body = BodyOptions::default().margin(margin);
         let ids = scene.boxes.iter().filter_map(|b| broad.insert(b, body).ok()).collect();
         Self {
             broad,

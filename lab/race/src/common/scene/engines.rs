@@ -47,7 +47,7 @@ impl Ours {
         let mut scene = Scene::new();
         let mut queries = PairQueries::none().overlap(true).distance(RANGE).features(true);
         queries.depth = name != "ours";
-        queries.manifold = (name == "ours-manifold").then_some(ManifoldOptions::with_prediction(RANGE));
+        queries.manifold = (name == "ours-manifold").then_some(ManifoldOptions::default().prediction(RANGE));
         let all = Group::default();
         scene.set_queries(all, all, queries).expect("a range");
         let insert = |(shape, pose): (&usize, &Pose)| {

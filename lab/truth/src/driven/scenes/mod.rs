@@ -145,7 +145,7 @@ impl Bytes<'_> {
         let mut queries = PairQueries::none().boxes(of(0)).overlap(of(1) || of(2));
         queries.within = rare(3).then_some(0.1);
         queries.distance = rare(5).then_some(if of(4) { f64::INFINITY } else { d });
-        queries.manifold = (rare(9) && of(4)).then_some(ManifoldOptions::with_prediction(d));
+        queries.manifold = (rare(9) && of(4)).then_some(ManifoldOptions::default().prediction(d));
         queries.impact = of(11).then_some(BRACKET);
         queries.impact_within = rare(12).then_some((d, BRACKET));
         let queries = queries.features(rare(6)).depth(rare(7)).local_depth(rare(8));

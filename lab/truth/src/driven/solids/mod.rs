@@ -443,7 +443,7 @@ fn supports(rng: &mut Rng) -> Result<(), String> {
     let die = cuboid(at, [at[0] + w, at[1] + h], (0, GRID));
     let (slab, die) = (Built::new(&slab, &space, rng)?, Built::new(&die, &space, rng)?);
     let gap = [0.0, 2f64.powi(-6), 1e-4][rng.below(3)] * space.unit[0];
-    let within = ManifoldOptions::with_prediction(0.5 * space.unit[0]);
+    let within = ManifoldOptions::default().prediction(0.5 * space.unit[0]);
     let mut counts = Vec::new();
     let pose = translation([0.0, 0.0, gap])?;
     let mut contacts = |a: GeometryRef, b: GeometryRef, pose: &RelativePose| -> Result<(), String> {

@@ -147,7 +147,7 @@ impl<'a> Judged<'a> {
             2.0 * upper + 0.1,
         ];
         for d in asked.into_iter().filter(|d| *d >= 0.0) {
-            let said = tracker.decide_within(a, b, &pose, d, &QueryOptions::new());
+            let said = tracker.decide_within(a, b, &pose, d, &QueryOptions::default());
             let is_wrong = if upper + noise <= d {
                 said.is_no() || !self.is_shell() && !said.is_yes()
             } else if lower - width > d {
@@ -159,7 +159,7 @@ impl<'a> Judged<'a> {
                 return Err(self.wrong(what, &(d, said)));
             }
         }
-        let meets = tracker.decide_within(a, b, &pose, 0.0, &QueryOptions::new());
+        let meets = tracker.decide_within(a, b, &pose, 0.0, &QueryOptions::default());
         if !self.is_shell() && (lower > width && !meets.is_no() || upper < -noise && !meets.is_yes()) {
             return Err(self.wrong(what, &meets));
         }
@@ -220,7 +220,7 @@ impl<'a> Judged<'a> {
         if !(is_right && is_bounded) {
             return Err(self.wrong("exactly", &(found, least)));
         }
-        let said = tracker.decide_within(a, b, &pose, high, &QueryOptions::new());
+        let said = tracker.decide_within(a, b, &pose, high, &QueryOptions::default());
         if !said.is_yes() {
             return Err(self.wrong("within, exactly", &(said, least)));
         }

@@ -174,7 +174,7 @@ pub(super) fn family(seed: u64) -> Result<Mix, String> {
                     truth + 2.0 * noise,
                     2.0 * truth + 0.1,
                 ] {
-                    let said = tracker.decide_within(mesh, &probe, &relative, d, &QueryOptions::new());
+                    let said = tracker.decide_within(mesh, &probe, &relative, d, &QueryOptions::default());
                     if said.is_yes() && truth - noise > d || d >= 0.0 && said.is_no() && truth + noise <= d {
                         return wrong("within", &(d, said));
                     }
