@@ -19,7 +19,6 @@ pub(super) fn trim<T>(list: &mut Vec<T>) {
 }
 
 /// Tables of up to this many items stay in near caches from step to step and need no prefetching.
-/// Not measured.
 const NEAR: usize = 1 << 14;
 
 /// Reads all values, from a table of `count` items. A loop that searches and decides waits for its

@@ -52,11 +52,11 @@ use crate::pair::point::PointOutcome;
 #[cfg(feature = "surfaces")]
 use crate::surface::BezierSurface;
 
-/// Default width of the interval of a surface, as a fraction of its radius. Not measured.
+/// Default width of the interval of a surface, as a fraction of its radius.
 #[cfg(feature = "surfaces")]
 const WIDTH: f64 = 1.0 / (1u64 << 30) as f64;
 
-/// Default number of splits of a surface. Not measured.
+/// Default number of splits of a surface.
 #[cfg(feature = "surfaces")]
 const SPLITS: usize = 20_000;
 

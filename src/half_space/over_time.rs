@@ -16,7 +16,7 @@ use crate::base::tolerance::{CERTIFICATE, HEIGHT, PLANE, ROUND_UP, UNIT};
 use crate::time::separation::{FreeSpan, Measurement, PairMotion, Proof, Separation, SupportPoint, Tangent, plane};
 
 /// How far the points of a body may move during a step, in units of the distance from the foot to
-/// the farthest point of the body. At least one, so that a step can lead to contact. Not measured.
+/// the farthest point of the body. At least one, so that a step can lead to contact.
 const AHEAD: f64 = 2.0;
 
 impl HalfSpacePair<'_> {

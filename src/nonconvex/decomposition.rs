@@ -295,7 +295,7 @@ fn open(upper: f64) -> Distance {
 }
 
 /// Width of the bounds by planes, as a fraction of the resolution, below which no exact distance of
-/// a point from a piece is computed. Not measured.
+/// a point from a piece is computed.
 const GAP: f64 = 1.0 / 64.0;
 
 /// A piece that is a polyhedron.

@@ -20,7 +20,7 @@ use crate::nonconvex::query::frame::{TreeSide, of_stored};
 
 /// Number of triangles whose centroids are tested for being inside another solid.
 ///
-/// They are tested if all vertices tested before lie within rounding of its surface. Not measured.
+/// They are tested if all vertices tested before lie within rounding of its surface.
 const MIDDLES: usize = 256;
 
 /// A mesh, a compound or a cloud.

@@ -32,7 +32,7 @@ use crate::pair::point::PointOutcome;
 use crate::pair::transform::StoredFrame;
 
 /// A distance this many times wider than its bounds gives the normal; a shorter one leaves it to
-/// the triangle. Not measured.
+/// the triangle.
 const CLEAR_DIRECTION: f64 = 8.0;
 
 impl Mesh {

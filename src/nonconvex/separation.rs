@@ -185,10 +185,10 @@ impl Separation for MeshPair<'_> {
     }
 }
 
-/// Largest number of pairs of nodes that a look-ahead splits. Not measured.
+/// Largest number of pairs of nodes that a look-ahead splits.
 const AHEAD_PAIRS: usize = 2048;
 
-/// Largest number of items of a node that a look-ahead tests one by one. Not measured.
+/// Largest number of items of a node that a look-ahead tests one by one.
 const AHEAD_ITEMS: u32 = 8;
 
 /// Fraction of the goal below which a pair is tried along further directions, leaves item by item.
@@ -197,12 +197,10 @@ const AHEAD_ITEMS: u32 = 8;
 /// that swings past a plate takes at most 258 queries with 1/16, and 82 with 1/4.
 const SHORT_TIME: f64 = 1.0 / 4.0;
 
-/// Least length of a unit direction without its part along the motion. Not measured.
+/// Least length of a unit direction without its part along the motion.
 const LEAST_ACROSS: f64 = 1.0 / 1024.0;
 
 /// Largest number of horizons for the second-order bound, each at most half the one before.
-///
-/// Not measured.
 const HORIZONS: usize = 6;
 
 /// One body at the start of the motion.

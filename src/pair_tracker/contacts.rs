@@ -52,7 +52,7 @@ struct NearElements {
 }
 
 /// Factor by which the ball of a body grows around which elements are collected, so that the same
-/// elements serve for some frames. Not measured.
+/// elements serve for some frames.
 const COLLECTED: f64 = 1.25;
 
 impl NearElements {

@@ -33,11 +33,11 @@ use crate::time::separation::{Measurement, Separation};
 const EXITS: u32 = 64;
 
 /// The tolerance of the cast of the translated bodies, as a fraction of `2^-30` of the pair size.
-/// A larger tolerance would make the cast prove hits of bodies that slide. Not measured.
+/// A larger tolerance would make the cast prove hits of bodies that slide.
 const NARROW: f64 = 0.25;
 
 /// Largest number of times after a possible approach at which the approach may be proven, each
-/// twice as far ahead as the one before. Not measured.
+/// twice as far ahead as the one before.
 const PROOFS: u32 = 40;
 
 /// A motion of a body whose frame is translated, by a vector in the frame.

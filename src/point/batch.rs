@@ -14,7 +14,7 @@ use crate::nonconvex::{mesh::Mesh, tree::morton};
 use crate::pair::outcome::Distance;
 use crate::pair::point::PointOutcome;
 
-/// Number of points that are put in order at once. Not measured.
+/// Number of points that are put in order at once.
 const BLOCK: usize = 1 << 18;
 
 /// Number of points per triangle from which a batch tests whether the surface meets itself.
@@ -23,7 +23,7 @@ const BLOCK: usize = 1 << 18;
 #[cfg(feature = "meshes")]
 const PREPARED: usize = 16;
 
-/// Number of points of one task. Not measured.
+/// Number of points of one task.
 #[cfg(feature = "parallel")]
 const RUN: usize = 512;
 

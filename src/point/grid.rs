@@ -14,7 +14,7 @@ use crate::pair::outcome::Distance;
 /// Largest number of nodes of a grid.
 const NODES: usize = 1 << 31;
 
-/// Number of nodes between two reports of progress. Not measured.
+/// Number of nodes between two reports of progress.
 const BLOCK: usize = 1 << 13;
 
 /// Signed distances at the nodes of a grid of boxes, and the errors of its cells.

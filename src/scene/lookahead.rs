@@ -35,7 +35,6 @@ use crate::time::separation::PairMotion;
 
 /// The largest number of ticks that a look-ahead query proves. Longer proofs save little: each
 /// proof contains the rounding of all its ticks, and velocities seldom stay constant for longer.
-/// Not measured.
 pub(super) const TICKS: u64 = 64;
 
 impl StepContext<'_> {

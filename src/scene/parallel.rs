@@ -14,7 +14,7 @@ use super::step::Boxes;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb};
 
-/// Number of bodies of one task. Not measured.
+/// Number of bodies of one task.
 const RUN: usize = 1024;
 
 /// Number of pairs of one task: fewer than bodies, because a query takes longer than a box. Not

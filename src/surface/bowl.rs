@@ -34,7 +34,7 @@ use crate::base::tolerance::{BENT, ROUND_UP, SLOPE};
 /// measured.
 const MARGIN: f64 = 1.0 / 4.0;
 
-/// Sine of the angle between two borders below which they count as parallel. Not measured.
+/// Sine of the angle between two borders below which they count as parallel.
 const CROSSING: f64 = 1.0 / 4.0;
 
 /// A separating quadric: the function g.

@@ -29,7 +29,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{COEFFICIENT, CURVATURE, TAYLOR, UNIT};
 
-/// Largest number of Newton steps for the highest point of a node. Not measured.
+/// Largest number of Newton steps for the highest point of a node.
 const CLIMB: usize = 4;
 
 impl Net<'_> {

@@ -48,13 +48,13 @@ const LENIENT: usize = 4;
 /// measured.
 const SMALL: f64 = 4.0;
 
-/// Extent of the first region, as a fraction of the radius of the smaller surface. Not measured.
+/// Extent of the first region, as a fraction of the radius of the smaller surface.
 const BEGINNING: f64 = 0.25;
 
-/// Factor by which a proven region grows in the next frame. Not measured.
+/// Factor by which a proven region grows in the next frame.
 const GROWING: f64 = 1.05;
 
-/// Factor by which a region shrinks if it was not proven. Not measured.
+/// Factor by which a region shrinks if it was not proven.
 const SHRINKING: f64 = 0.5;
 
 /// Number of pairs from one unconditional descent to the next: see [`IMPATIENT`].
@@ -554,10 +554,9 @@ pub(super) const SPLITS: usize = 20_000;
 const MOST_SPLITS: usize = 1 << 22;
 
 /// A front is built again from the roots if it has grown to more than this many times its length.
-/// Not measured.
 const GROWTH: usize = 4;
 
-/// Largest number of regions tried in one search. Not measured.
+/// Largest number of regions tried in one search.
 const TRIES: usize = 5;
 
 /// Number of pairs after which a search counts as stuck at a local minimum, for example where

@@ -21,11 +21,11 @@ use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::outcome::Outcome;
 
 /// Displacement, in parameters, over which the rotation of a shape's normal approximates its
-/// curvature. Not measured.
+/// curvature.
 const PROBE: f64 = 1.0 / 65_536.0;
 
 /// How far back a point is moved to find the direction to a close shape without the rounding of a
-/// short line, as a fraction of the pair size. Not measured.
+/// short line, as a fraction of the pair size.
 const BACK: f64 = 1.0 / 256.0;
 
 /// Number of dampings of a step towards a shape; each is eight times the one before.

@@ -34,7 +34,7 @@ use crate::pair::outcome::{ContactState, Decision, Outcome};
 use crate::time::separation::{FreeSpan, Measurement, PairMotion, Proof, Separation};
 
 /// Width of a measurement over time, as a fraction of the distance. A step of conservative
-/// advancement is shorter by this fraction. Not measured.
+/// advancement is shorter by this fraction.
 pub(super) const MEASURED: f64 = 1.0 / 4.0;
 
 /// Default width of the bounds, as a fraction of the sum of the radii of both bounding balls. Not
@@ -47,7 +47,7 @@ const DEFAULT_WIDTH: f64 = 1.0 / (1u64 << 30) as f64;
 const DEFAULT_WIDTH_FAR: f64 = 1.0 / (1u64 << 38) as f64;
 
 /// If the bound of a step leaves unproven more than this fraction of the remaining distance, the
-/// distance is measured again with a smaller width. Not measured.
+/// distance is measured again with a smaller width.
 const NARROWER: f64 = 1.0 / 2.0;
 
 /// A step gives up if its bound proves less than this fraction of the remaining distance. The

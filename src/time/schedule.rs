@@ -62,7 +62,7 @@ use core::cmp::Reverse;
 use crate::base::tolerance::TICK;
 
 /// Number of heap entries, above four per pair, at which the heap is rebuilt without outdated
-/// entries. Not measured.
+/// entries.
 const SPARE: usize = 64;
 
 /// Pairs of bodies by id, and the tick at which each pair is due.

@@ -156,5 +156,5 @@ pub(crate) const RECEIPT: f64 = 8192.0 * UNIT;
 pub(crate) const CONTAINED: f64 = 1024.0 * UNIT;
 
 /// Least weight of a vertex of a feature, and least sine between two edges, for which a receipt
-/// names features instead of a normal. Not a matter of soundness. Not measured.
+/// names features instead of a normal. Not a matter of soundness.
 pub(crate) const INSIDE: f64 = POSE_UNIT;

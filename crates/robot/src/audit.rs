@@ -76,7 +76,7 @@ pub struct LinkAudit {
 }
 
 /// Cells of each pair in the first round of an audit, and growth from round to round: pairs that few
-/// cells decide come first, if the time is limited. Not measured.
+/// cells decide come first, if the time is limited.
 const FIRST_ROUND: u64 = 256;
 const GROWTH: u64 = 4;
 

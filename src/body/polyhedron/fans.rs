@@ -229,7 +229,6 @@ impl Axis {
 
 /// Faces of more edges are kept as rings too: bisection on a list for longer lists in memory. Also
 /// the number of edges of a face examined one by one, and the size of the arrays for small faces.
-/// Not measured.
 pub(crate) const LARGE: usize = 24;
 
 /// Half-edges around a vertex or around a large face, counter-clockwise from outside.

@@ -39,11 +39,11 @@ pub(super) const SCANNED: usize = 64;
 const SCAN: usize = 16;
 
 /// The cube map treats no body as flatter than this. A smaller value gives finer cells around the
-/// axis of a flat body and coarser cells around its edge. Not measured.
+/// axis of a flat body and coarser cells around its edge.
 const FLATTEST: f64 = 1.0 / 1024.0;
 
 /// Steps of a climb between two searches for a large face or fan to jump over: long climbs become
-/// short, short climbs never pay for the search. Not measured.
+/// short, short climbs never pay for the search.
 const LEAP: u32 = 4;
 
 /// Climbs from `start` to a vertex with no adjacent vertex certainly higher along `n`.

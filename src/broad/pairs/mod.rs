@@ -19,7 +19,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use alloc::{format, vec};
 
-/// Number of items prefetched at once. Not measured.
+/// Number of items prefetched at once.
 pub(super) const AHEAD: usize = 32;
 
 /// Id of a pair, constant from its start to its end. `slot` is small and dense, so a caller can

@@ -11,15 +11,15 @@ use crate::broad::simd_box::{Bounds, largest};
 use alloc::vec::Vec;
 
 /// A column is swept completely if the number of its changed entries times this factor exceeds the
-/// number of its entries. Not measured.
+/// number of its entries.
 const COLUMN_SHARE: usize = 6;
 
 /// A column is swept completely if more than this number of bodies enter it, leave it or jump: each
-/// shifts the entries behind it. Not measured.
+/// shifts the entries behind it.
 const MOST_PARTED: usize = 32;
 
 /// A column is swept completely after all if the windows of its changed entries contain this many
-/// times the number of its entries. Not measured.
+/// times the number of its entries.
 const MOST_SCANNED: u64 = 4;
 
 /// A column number and the index of a body whose old or new box touches it.

@@ -30,7 +30,7 @@ use crate::broad::change::{Changes, overlap};
 use alloc::vec::Vec;
 use wide::f32x4;
 
-/// Number of windows with hits to collect before the hits are tested. Not measured.
+/// Number of windows with hits to collect before the hits are tested.
 const PENDING: usize = 32;
 
 /// Number of entries copied at once.

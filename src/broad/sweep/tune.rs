@@ -25,22 +25,21 @@ const WINDOW: f64 = 4.5;
 const COLUMN: f64 = 30.0;
 const EMPTY_COLUMN: f64 = 0.75;
 
-/// Number of bodies sampled to choose columns. Not measured.
+/// Number of bodies sampled to choose columns.
 const SAMPLE: usize = 512;
 
-/// Largest average number of entries of a body; a grid that needs more is too fine. Not measured.
+/// Largest average number of entries of a body; a grid that needs more is too fine.
 const MOST_ENTRIES: usize = 6;
 
-/// Longest wait between two checks of the column width, in steps. Not measured.
+/// Longest wait between two checks of the column width, in steps.
 const PATIENCE: u32 = 1024;
 
 /// New columns are computed if a step compares this many times as many entries per body as the step
 /// measured last. The factor is larger than the effect of the windows of fast bodies, and smaller
-/// than that of a fourfold density. Not measured.
+/// than that of a fourfold density.
 const SURGE: f64 = 3.0;
 
 /// A new column width must reduce the expected cost to at most this fraction of the present cost.
-/// Not measured.
 const GAIN: f64 = 0.85;
 
 /// Sizes and positions of all bounded boxes, in the axes of the stored boxes.

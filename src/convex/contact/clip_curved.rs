@@ -21,7 +21,7 @@ use crate::pair::outcome::{Outcome, Solver};
 /// Depths of contacts of a flat round face count as equal within this factor times the radius of
 /// the smaller shape. Contacts on a shape that trembles then do not move, at the price of depth.
 /// Tilted by `t`, a rim is deepest between two of its eight named points, by up to `0.08 t` radii
-/// more. So contacts do not move up to a tilt of 2e-4. Not measured.
+/// more. So contacts do not move up to a tilt of 2e-4.
 const ROUND: f64 = 1.0 / 65_536.0;
 
 /// Maximum number of Newton steps to a crossing of two rims. Convergence is quadratic, from an

@@ -36,7 +36,7 @@ const MAX_LOCAL_STEPS: usize = 4;
 
 /// Rays are cast from a point of an overlap that is this many times the rounding of a position away
 /// from the boundaries. Nearer to them, rounding would choose the edges by which the rays leave.
-/// Narrower overlaps count as lines. Not measured.
+/// Narrower overlaps count as lines.
 const INSIDE: f64 = 16.0;
 
 /// Exit edges of the rays of the previous frame on the faces of A and of B: the next rays exit near

@@ -31,7 +31,7 @@ use crate::body::polyhedron::{ConvexPolyhedron, FaceId, VertexId};
 use crate::pair::outcome::{ContactState, Distance};
 
 /// The largest number of vertices of a face on a half-space that are contact candidates. If there
-/// are more, every second, third and so on is used. Not measured.
+/// are more, every second, third and so on is used.
 const SAMPLE: usize = 48;
 
 /// A half-space: the points `x` with `normal . x <= offset`, solid below its plane.

@@ -43,10 +43,10 @@ use crate::pair::star::EdgeSpan;
 use crate::pair::star::falls_into_both_faces;
 
 /// Largest number of facets of a descent. After small motions descents are short; otherwise the
-/// polytope is a better start. Not measured.
+/// polytope is a better start.
 const DESCENTS: usize = 12;
 
-/// A fan with more edges ends a descent. Not measured.
+/// A fan with more edges ends a descent.
 const FAN: usize = 64;
 
 /// A facet that contains the foot of the origin, up to rounding.
@@ -358,7 +358,7 @@ fn face_of(body: &ConvexPolyhedron, edge: EdgeId, left: bool) -> FaceId {
 }
 
 /// Largest number of edges of a face whose edges are tested one by one for the features of a depth.
-/// Each edge of one face is tested with each edge of the other. Not measured.
+/// Each edge of one face is tested with each edge of the other.
 const SMALL: usize = 8;
 
 /// A point of A and a point of B, in their stored frames.

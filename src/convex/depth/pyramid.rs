@@ -40,7 +40,7 @@ use crate::pair::star::EdgeSpan;
 /// 16.
 const CORNERS: usize = 5;
 
-/// Largest number of support points that one pyramid may add to its apex. Not measured.
+/// Largest number of support points that one pyramid may add to its apex.
 const SUPPORTS: u32 = 6;
 
 /// A facet joined to a point deep in A - B. For a face of B all points are points of B - A, so that

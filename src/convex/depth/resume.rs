@@ -27,11 +27,10 @@ use crate::convex::depth::write_overlap;
 use crate::pair::difference::DifferenceFacet;
 
 /// Number of points up to which a resumed polytope uses a small array, which costs less to clear.
-/// Not measured.
 const FEW_POINTS: usize = 34;
 
 /// Up to this number of weak triangles, they count as facets next to the last deepest facet, and
-/// are tried before the polytope grows. Not measured.
+/// are tried before the polytope grows.
 const FEW_TRIANGLES: usize = 2;
 
 /// Resumes the depth from the deepest facet and the cached polytope. Without a proof there is no

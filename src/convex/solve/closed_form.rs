@@ -28,7 +28,7 @@ use crate::pair::draft::Draft;
 use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
 use crate::pair::transform::Turned;
 
-/// Largest number of edges of a vertex that are tested; pairs with more use a solver. Not measured.
+/// Largest number of edges of a vertex that are tested; pairs with more use a solver.
 const FAN: usize = 32;
 
 /// The distance of two features that are proven to be the closest.

@@ -33,7 +33,7 @@ const TRIALS: u16 = 2;
 /// as cheap as this differ little. Measured for [`SAMPLES`] of 128 and 256.
 const FADING: u16 = 256;
 
-/// Cost of the direction of two ellipsoids, in steps of the walk. Not measured.
+/// Cost of the direction of two ellipsoids, in steps of the walk.
 const ELLIPSOIDS: u32 = 2;
 
 /// Mean costs of a warm and of a cold start, in steps of the walk.

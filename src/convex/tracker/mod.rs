@@ -35,7 +35,7 @@ pub(crate) use crate::convex::depth::Workspace;
 pub use crate::convex::tracker::counts::TrackerWork;
 
 /// Walks of at most this many steps were near their end at the start, so extrapolation of the
-/// features would gain nothing. Not measured.
+/// features would gain nothing.
 const STEADY: u32 = 3;
 
 /// Cached features of one pair, from which the next walk starts, and counters.

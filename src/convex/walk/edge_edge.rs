@@ -35,7 +35,7 @@ use crate::pair::star::falls_into_both_faces;
 
 /// Squared sine of the angle of two edges below which their closest points are the best of four
 /// projections of ends. Above it, they are a projection of the feet on the lines, whose rounding
-/// grows with the inverse of the sine. Not measured.
+/// grows with the inverse of the sine.
 const SKEW: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// Tests an edge of A against an edge of B.

@@ -37,19 +37,19 @@ use crate::pair::draft::Draft;
 use crate::pair::posed::{AFirst, BFirst, PosedPair, WitnessPair};
 
 /// The largest number of jumps to a far face (vertex-face from behind) in a walk. Jumps are not
-/// monotone; with a larger number, walks continue that another solver ends sooner. Not measured.
+/// monotone; with a larger number, walks continue that another solver ends sooner.
 const JUMPS: u32 = 3;
 
 /// Number of steps before the guard against cycles starts: most walks end before it and never pay
-/// for the guard. Not measured.
+/// for the guard.
 const FREE: u32 = 8;
 
-/// The largest number of Newton jumps of a walk. Not measured.
+/// The largest number of Newton jumps of a walk.
 const NEWTON_JUMPS: u32 = 12;
 
 /// A walk takes at most this number of steps plus [`STEPS_PER_ROOT`] times the root of the number
 /// of vertices of both bodies, because steps grow with the diameter of a body. A longer walk fails
-/// and the other solvers run. Not measured.
+/// and the other solvers run.
 const STEPS_AT_LEAST: u32 = 16;
 
 /// Largest number of steps of a walk for each unit of the root of the number of vertices. Not
@@ -57,11 +57,11 @@ const STEPS_AT_LEAST: u32 = 16;
 const STEPS_PER_ROOT: f64 = 4.0;
 
 /// Largest number of steps of a walk on bodies with long face boundaries or large fans, which
-/// Newton jumps pass. Not measured.
+/// Newton jumps pass.
 const MOST_STEPS_WITH_JUMPS: u32 = 128;
 
 /// Number of steps before the first Newton jump along a long face boundary or around a large fan: a
-/// jump costs several steps, and most walks have ended by then. Not measured.
+/// jump costs several steps, and most walks have ended by then.
 const FIRST_NEWTON_JUMP: u32 = 4;
 
 /// Tests the current feature pair of `draft` and moves to the next pair or accepts the pair.

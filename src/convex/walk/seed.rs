@@ -37,7 +37,7 @@ pub(crate) fn cold(posed: &PosedPair, work: &mut Work) -> FeaturePair {
 }
 
 /// Number of iterations of the fixed-point equation for the touching ellipsoids. More give a better
-/// first direction but take time. Not measured.
+/// first direction but take time.
 const ROUNDS: usize = 6;
 
 /// Returns the direction from A to B, in A's stored frame.

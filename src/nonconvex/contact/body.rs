@@ -312,7 +312,7 @@ impl From<Shape> for ConvexPatches {
 /// Distance, in units of the slack, at which the neighbourhood of a covered point is tested.
 ///
 /// If a point of the same face at that distance is not covered, the covered point is at an end.
-/// Faces that meet at less than one radian divided by this number count as one face. Not measured.
+/// Faces that meet at less than one radian divided by this number count as one face.
 const BESIDE_END: f64 = 64.0;
 
 /// What is at a point in the plane of a face, outside the face.
@@ -424,7 +424,7 @@ fn dot_at(point: &Point3<f64>) -> Option<(Shape, RelativePose)> {
     Some((Shape::from(dot), at))
 }
 
-/// Maximum number of pieces that are cut out of a face to find its uncovered region. Not measured.
+/// Maximum number of pieces that are cut out of a face to find its uncovered region.
 const COVERS: usize = 4;
 
 /// Returns whether the surface of the union is at least `depth` away from a point inside.

@@ -67,7 +67,6 @@ const ALIKE: f64 = 1.0 / 64.0;
 
 /// How many times deeper than another contact a contact is that this one may explain. Vertices in
 /// valleys are up to ten times deeper below one face than below the other, and have both contacts.
-/// Not measured.
 const FAR_DEEPER: f64 = 8.0;
 
 /// How far beside a contact the middle of its overlap is searched for, and the radius of the ball
@@ -238,7 +237,7 @@ impl ContactTracker {
 /// this many times deeper still.
 ///
 /// The nearest surface point of a curved piece is known to the bounds of a distance, that of a face
-/// to rounding. Not measured.
+/// to rounding.
 const CURVED: f64 = 64.0;
 
 /// Returns the contacts that no far shallower overlap explains, each with whether its depth is
@@ -384,7 +383,7 @@ fn near_pairs(query: &PatchQuery, frame: &TreeFrame) -> Vec<NodePair> {
 /// Maximum number of steps back along a separating translation to the point of last contact.
 ///
 /// Each step closes the gap that is left, so few steps suffice unless the bodies slide past each
-/// other. Not measured.
+/// other.
 const WAY_BACK: usize = 64;
 
 /// Returns the contact along a translation that separates two solids; `None` if none is known.

@@ -29,7 +29,7 @@ use crate::pair::outcome::{ContactState, DepthMode, Outcome};
 /// measured.
 const FACES_TRIED: usize = 6;
 
-/// Faces whose depths differ by less than this fraction count as equally deep. Not measured.
+/// Faces whose depths differ by less than this fraction count as equally deep.
 const NEARLY: f64 = 1.0 / 64.0;
 
 /// The state of two patches that are near each other.

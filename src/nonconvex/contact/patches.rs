@@ -35,13 +35,13 @@ use crate::nonconvex::tree::Tree;
 /// Depth of the hull of a patch that does not surround a body, as a fraction of its radius.
 ///
 /// An overlap deeper than half of it takes the normal of a face instead of the hull's, which costs
-/// one gap for each face. Not measured.
+/// one gap for each face.
 const DEPTH: f64 = 0.25;
 
 /// Minimum number of triangles of a patch whose hull is built together with the patches.
 ///
 /// Hulls of smaller patches are built when a body comes near. A hull takes kilobytes, and most
-/// patches of scanned meshes have three to six triangles. Not measured.
+/// patches of scanned meshes have three to six triangles.
 const MANY_TRIANGLES: usize = 12;
 
 /// Sine of the largest angle between a contact's normal and the normals of the mesh at the point.
@@ -262,7 +262,7 @@ impl PatchedMesh {
 
 /// Maximum number of planes of a patch.
 ///
-/// Larger patches would need a build time that grows with the square of their size. Not measured.
+/// Larger patches would need a build time that grows with the square of their size.
 const PLANES: usize = 1024;
 
 /// A convex patch: triangles, each with a triangle that represents its plane.

@@ -27,7 +27,7 @@ use crate::time::impact::{Cast, ImpactError, Tolerance};
 
 /// If a mesh rotates, the frame is searched in equal steps. The number of steps makes the sagitta
 /// of a step at most `ARC_PART` times the half size of the smaller mesh, but it is at most
-/// `ARC_STEPS + 1`. Not measured.
+/// `ARC_STEPS + 1`.
 const ARC_PART: f64 = 1.0 / 1024.0;
 const ARC_STEPS: f64 = 64.0;
 
@@ -343,7 +343,7 @@ impl<'a> FrameSearch<'a> {
     }
 }
 
-/// Largest number of time intervals for one pair of triangles of rotating meshes. Not measured.
+/// Largest number of time intervals for one pair of triangles of rotating meshes.
 const ARC_INTERVALS: u32 = 1024;
 
 /// Returns a bound of the position errors of two points together, computed at one time.

@@ -12,10 +12,10 @@ use crate::base::num::extremes::{Bounded, ByValue, Extremes};
 use crate::nonconvex::query::triangle::Triangle;
 
 /// Smallest interval of time in which the search for vertices on straight paths is continued before
-/// exact arithmetic decides. Not measured.
+/// exact arithmetic decides.
 const PATH_WIDTH: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// Largest number of time intervals for a vertex and a face or for two edges. Not measured.
+/// Largest number of time intervals for a vertex and a face or for two edges.
 const PATH_INTERVALS: u32 = 128;
 
 /// Number of bits beyond which an integer of an exact decision counts as wide. If coordinates
@@ -226,7 +226,7 @@ where
 }
 
 /// Largest number of time intervals for a pair of triangles as a whole. If they are not enough, its
-/// vertices, edges and faces are tested pair by pair. Not measured.
+/// vertices, edges and faces are tested pair by pair.
 const TRIANGLE_INTERVALS: u32 = 12;
 
 /// Returns the first contact of a vertex and a face, in a bracket of `width` if rounding allows.

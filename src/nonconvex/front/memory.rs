@@ -338,7 +338,7 @@ const ENTRY_WORK: u64 = 16;
 const LEAF_WORK: u64 = 4;
 const MEASURE_WORK: u64 = 8;
 
-/// Largest number of searches between a front that was dropped and the next one. Not measured.
+/// Largest number of searches between a front that was dropped and the next one.
 const LONGEST_WAIT: u32 = 63;
 
 /// Records whether fronts were worthwhile lately.

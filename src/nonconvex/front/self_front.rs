@@ -30,7 +30,7 @@ use crate::nonconvex::tree::{Below, Tree, up};
 
 /// Largest number of claims of a front, per triangle of the mesh; a longer front is dropped.
 ///
-/// A mesh of fewer than 64 triangles counts as one of 64. Not measured.
+/// A mesh of fewer than 64 triangles counts as one of 64.
 const SELF_CLAIMS: usize = 64;
 
 /// A front is started again if this multiple of its claims has failed since it was started.

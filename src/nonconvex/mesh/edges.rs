@@ -198,11 +198,11 @@ pub(crate) fn find(parent: &mut [u32], mut v: u32) -> u32 {
 /// direction.
 type Neighbours = [(u32, bool); 3];
 
-/// Number of components whose volumes are looked through for a hint. Not measured.
+/// Number of components whose volumes are looked through for a hint.
 const LISTED_PARTS: usize = 16;
 
 /// Number of triangles of a sheet that are probed until one shows the side of the body: the largest
-/// ones. Not measured.
+/// ones.
 const PROBES: usize = 16;
 
 /// Distances of the two points that show on which side of a triangle the body is, in units of the

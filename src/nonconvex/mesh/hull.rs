@@ -181,11 +181,11 @@ pub(crate) struct GapOver {
     pub(crate) upper: f64,
 }
 
-/// Maximum number of triangles that are halved: a tenth of a second or more. Not measured.
+/// Maximum number of triangles that are halved: a tenth of a second or more.
 const HALVED: usize = 1 << 16;
 
 /// A triangle whose bound exceeds the greatest value found by less than this fraction of the
-/// resolution is not halved further. Not measured.
+/// resolution is not halved further.
 const ENOUGH: f64 = 1.0 / 16.0;
 
 /// A triangle, ranked by the negative of an upper bound over the triangle.

@@ -187,7 +187,7 @@ const SHARP: f64 = 1.0 / 256.0;
 
 /// Largest number of pairs of triangles in contact, and of pairs of boxes on the way to them, for
 /// which integers decide the contact state. Two vertices of six triangles each have 36 pairs, a
-/// vertex and a face or two edges have at most eight. Not measured.
+/// vertex and a face or two edges have at most eight.
 #[cfg(feature = "exact")]
 const NEAR_PAIRS: usize = 16;
 #[cfg(feature = "exact")]

@@ -25,7 +25,7 @@ use crate::nonconvex::tree::{Paths, Refit};
 
 /// Number of past states that a mesh keeps, so that trackers recognise it.
 ///
-/// A tracker that has missed more replacements starts again. Not measured.
+/// A tracker that has missed more replacements starts again.
 const STATES: usize = 16;
 
 /// Size, in units of the tree, beyond which a tree gets another origin and unit.

@@ -53,7 +53,7 @@ use crate::nonconvex::query::state::PosedTrees;
 use crate::nonconvex::query::triangle::{self, Triangle};
 use crate::pair::outcome::{ContactState, Outcome};
 
-/// Number of vertices of a mesh that are tested for a lower bound of the depth. Not measured.
+/// Number of vertices of a mesh that are tested for a lower bound of the depth.
 const DEEP_POINTS: usize = 2048;
 
 /// Number of steps to the point of a piece that is deepest in a mesh.
@@ -420,13 +420,13 @@ fn about(body: PartsRef, place: &Vector3<f64>, reach: f64) -> Vec<(Shape, Isomet
     }
 }
 
-/// Maximum number of edge segments whose midpoints are tested. Not measured.
+/// Maximum number of edge segments whose midpoints are tested.
 const DEEP_STRETCHES: usize = 128;
 
 /// Maximum number of pairs of leaves that are searched for edges that cross the other mesh.
 ///
 /// A pin in a slot has a few tens. Meshes at the same position have one for each pair of
-/// neighbours. Not measured.
+/// neighbours.
 const CROSSED_LEAVES: usize = 1 << 14;
 
 /// A point of both bodies in A's frame, and the number of winding numbers computed.

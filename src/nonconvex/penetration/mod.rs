@@ -426,7 +426,7 @@ fn whole<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> Option<Whol
     Some(([a.corners_of_box(), b.corners_of_box()], noise))
 }
 
-/// Largest number of elements of a cloud that are measured for a lower bound. Not measured.
+/// Largest number of elements of a cloud that are measured for a lower bound.
 const NEAR_ELEMENTS: usize = 1024;
 
 /// Returns the elements of a cloud near the other body as a compound.

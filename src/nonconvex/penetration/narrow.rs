@@ -44,7 +44,7 @@ const SPLITS: usize = 1000;
 /// Largest number of cells that may be split; open cells take 400 bytes for each of them.
 const MOST_SPLITS: usize = 1 << 20;
 
-/// Largest number of pairs of convex regions that are kept. Not measured.
+/// Largest number of pairs of convex regions that are kept.
 const KEPT_REGIONS: usize = 64;
 
 /// The square root of 3, rounded up: half the diagonal of a cube of side 2.

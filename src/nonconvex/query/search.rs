@@ -28,7 +28,7 @@ use crate::nonconvex::tree::{Below, CLOUD_LEAF, LEAF, Tree, height, near_unit};
 /// Both halves of each give eight pairs, the width of the kernel.
 pub(crate) const AT_ONCE: usize = 4;
 
-/// Largest number of items of a node that are tested one by one in double precision. Not measured.
+/// Largest number of items of a node that are tested one by one in double precision.
 const FEW_ITEMS: u32 = 64;
 
 /// Number of pairs in contact after which a search tests whether the bodies share inner points.

@@ -28,7 +28,7 @@ use crate::base::num::each::Each;
 /// excess.
 const SURFACE_REACH: f32 = 1.0 / 128.0;
 
-/// Number of items whose centroids are counted. Not measured.
+/// Number of items whose centroids are counted.
 const SURFACE_SAMPLES: usize = 512;
 
 impl Tree {

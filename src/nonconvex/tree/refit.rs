@@ -26,7 +26,7 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{cross, dot, sqrt, sub};
 use crate::base::tolerance::{BOX_EXTENT, BOX_SKEW, REFIT_HEIGHT, UNIT, UNIT_SINGLE};
 
-/// Number of triangles of a node that are searched for three distant vertices. Not measured.
+/// Number of triangles of a node that are searched for three distant vertices.
 const FAR_SAMPLES: usize = 128;
 
 /// Path units per unit of length of the tree.

@@ -60,7 +60,7 @@ const ACROSS: f64 = 0.8;
 
 /// Radius of a long item around its centroid, in standard deviations of the node.
 ///
-/// If a node has a long item, a cut may hardly shorten the parts. Not measured.
+/// If a node has a long item, a cut may hardly shorten the parts.
 const LONG: f64 = 0.5;
 
 /// Largest difference of the heights of centroids in one plane, as a fraction of the tree's size.

@@ -25,11 +25,11 @@ const SLACK: f64 = 1.0 / 16.0;
 /// A corner farther than this many sizes from the point inside counts as infinitely far.
 const FAR: f64 = (1u64 << 30) as f64;
 
-/// Weights of two planes that are replaced by a plane between them. Not measured.
+/// Weights of two planes that are replaced by a plane between them.
 const WEIGHTS: [f64; 9] = [0.0039, 0.0156, 0.0625, 0.25, 1.0, 4.0, 16.0, 64.0, 256.0];
 
 /// Steps that improve a choice, each accepted if the sum of the eighth powers of the distances
-/// falls by this part; the least tilt of a plane. Not measured.
+/// falls by this part; the least tilt of a plane.
 const ROUNDS: usize = 192;
 const PROGRESS: f64 = 1.0 / 256.0;
 const LEAST_STEP: f64 = 1.0 / 64.0;

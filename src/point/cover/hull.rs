@@ -43,7 +43,7 @@ use crate::pair::outcome::ContactState;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::point::PointQuery;
 
-/// Points of the inner hull, and points for each plane. Not measured.
+/// Points of the inner hull, and points for each plane.
 const POINTS: usize = 96;
 const POINTS_PER_FACE: usize = 2;
 

@@ -23,7 +23,7 @@ const NEAR: f64 = 1.0 / (1u64 << 40) as f64;
 const THIN: f64 = NEAR;
 const THIN_PLACE: f64 = 1.0 / (1u64 << 50) as f64;
 
-/// Two faces form a sharp edge if the cosine of their normals is less than this. Not measured.
+/// Two faces form a sharp edge if the cosine of their normals is less than this.
 const SHARP: f64 = -0.5;
 
 /// The hull of some points of a body. Coordinates are those of the body over `Supports::unit`.

@@ -20,23 +20,23 @@ use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::COVER;
 use crate::pair_tracker::geometry::GeometryRef;
 
-/// Least number of cells that yield samples, and cells for each ball. Not measured.
+/// Least number of cells that yield samples, and cells for each ball.
 const SAMPLES: usize = 3_000;
 const SAMPLES_PER_BALL: usize = 48;
 
-/// Samples inside below which points near the surface are searched for some. Not measured.
+/// Samples inside below which points near the surface are searched for some.
 const FEW: usize = 200;
 
 /// Halvings of the depth at which a point inside is searched below the surface.
 const HALVINGS: u32 = 40;
 
-/// Halvings of the step by which a candidate moves, down to this part of its radius. Not measured.
+/// Halvings of the step by which a candidate moves, down to this part of its radius.
 const STEPS: u32 = 8;
 
-/// Rounds in which the largest ball moves. Not measured.
+/// Rounds in which the largest ball moves.
 const ROUNDS: u32 = 24;
 
-/// Cells that the bound of the gap visits, and its width as a part of the size. Not measured.
+/// Cells that the bound of the gap visits, and its width as a part of the size.
 const CELLS: usize = 100_000;
 const WIDTH: f64 = 1.0 / 256.0;
 

@@ -20,25 +20,25 @@ use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::COVER;
 use crate::pair_tracker::geometry::GeometryRef;
 
-/// Least number of cells that yield samples, and cells for each ball. Not measured.
+/// Least number of cells that yield samples, and cells for each ball.
 const SAMPLES: usize = 4_000;
 const SAMPLES_PER_BALL: usize = 48;
 
-/// Rounds in which samples change clusters. Not measured.
+/// Rounds in which samples change clusters.
 const ROUNDS: usize = 6;
 
 /// A ball may grow by this fraction of the gap at once, and cells of this size are not halved. Not
 /// measured.
 const GROWTH: f64 = 1.0 / 64.0;
 
-/// The same as a fraction of the size of the body, for balls that hardly stick out. Not measured.
+/// The same as a fraction of the size of the body, for balls that hardly stick out.
 const LEAST_GROWTH: f64 = 1.0 / 512.0;
 
 /// Balls are at last larger by this part of a step: they overlap where they meet, so that a point
-/// that a user rounds is still in one of them. Not measured.
+/// that a user rounds is still in one of them.
 const MARGIN: f64 = 1.0 / 16.0;
 
-/// Cells that a proof visits before balls grow around cells of any size. Not measured.
+/// Cells that a proof visits before balls grow around cells of any size.
 const CELLS: usize = 100_000;
 
 pub(super) fn cover(geometry: GeometryRef<'_>, goal: CoverGoal) -> Result<BallCover, CoverError> {

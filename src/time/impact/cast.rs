@@ -20,7 +20,7 @@ const LOOKS: u32 = 20_000;
 /// Number of steps between two checks of the pace of a cast.
 ///
 /// A cast ends if at its pace it would need `PACE` times the limit of steps to reach the end:
-/// bodies that rotate by 1e15 radians. Not measured.
+/// bodies that rotate by 1e15 radians.
 const PACE_LOOKS: u32 = 1024;
 const PACE: f64 = 50.0;
 
@@ -31,14 +31,14 @@ const PACE: f64 = 50.0;
 const AIM: f64 = 0.3;
 
 /// Distance of the balls, as a multiple of the sum of both radii, from which on a cast jumps by
-/// balls without a query. Not measured.
+/// balls without a query.
 const CLEAR: f64 = 0.1;
 
 /// Smallest tolerance, as a multiple of the rounding of a distance: below it proofs fail. Not
 /// measured.
 const LEAST: f64 = 8.0;
 
-/// Factor by which a tolerance shrinks if its overlap was not proven. Not measured.
+/// Factor by which a tolerance shrinks if its overlap was not proven.
 const SHRINK: f64 = 1.0 / 16.0;
 
 /// Largest number of doublings of the step behind contact if the tolerance cannot shrink. Not

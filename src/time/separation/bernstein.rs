@@ -10,7 +10,7 @@ use crate::base::tolerance::{BERNSTEIN, ROOT};
 
 /// Rounds in which the remainder beyond the bound of a root is cut off and bounded again.
 ///
-/// The bound converges quadratically, so a few rounds reach rounding. Not measured.
+/// The bound converges quadratically, so a few rounds reach rounding.
 pub(super) const ROUNDS: u32 = 4;
 
 /// Returns a number in 0..=1 such that the cubic is positive before it, rounding included.

@@ -17,10 +17,10 @@ use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::PLANE;
 
-/// Factor by which an interval is cut if its bound is slightly too large. Not measured.
+/// Factor by which an interval is cut if its bound is slightly too large.
 const CUT: f64 = 0.75;
 
-/// Excess of a bound, `2^24`, from which on an interval is cut more. Not measured.
+/// Excess of a bound, `2^24`, from which on an interval is cut more.
 const CUT_FAR: f64 = (1u64 << 24) as f64;
 
 /// The largest cut in one round, `2^-60`: 18 such cuts reduce an interval of one to zero. Not

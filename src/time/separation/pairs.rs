@@ -18,23 +18,23 @@ use crate::time::separation::{Measurement, Separation, SupportPoint, Tangent};
 use nalgebra::{Point3, Vector3};
 
 /// Faces with longer boundaries are not triangulated for the guess of an overlap, because the
-/// search takes linear time. Not measured.
+/// search takes linear time.
 const RIM: usize = 64;
 
 /// Factor by which a ball around the centre of the box must be smaller to replace the ball around
 /// the origin.
 ///
-/// The smaller ball is tighter, but adds a lever arm to every bound. Not measured.
+/// The smaller ball is tighter, but adds a lever arm to every bound.
 const SMALLER: f64 = 0.8;
 
 /// Support values of bodies with at most this many vertices come from a scan. It takes linear time,
-/// but needs no climb and no proof. Not measured.
+/// but needs no climb and no proof.
 const FEW: usize = 24;
 
 /// Directions nearer than this to the normal of a face, as a 1-norm, use the plane of the face.
 ///
 /// The support value is that of the plane plus a bound of the difference. This saves a climb along
-/// the face; the value is slightly too large. Not measured.
+/// the face; the value is slightly too large.
 const FLUSH: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Two convex polyhedra that can be measured over time.

@@ -12,19 +12,19 @@ use lin_canny::polyhedron::BoxHint;
 use lin_canny::shape::Core;
 use lin_canny::{ConvexPolyhedron, Geometry, PointQuery, Shape};
 
-/// Steps of the search for a small ball. Not measured.
+/// Steps of the search for a small ball.
 const BALL_STEPS: usize = 64;
 
-/// Sides of the prism around a cylinder or cone. Not measured.
+/// Sides of the prism around a cylinder or cone.
 const SIDES: usize = 32;
 
-/// Most triangles of a leaf of a tree. Not measured.
+/// Most triangles of a leaf of a tree.
 const LEAF: usize = 4;
 
-/// Directions whose support vertices stand for a body of more points. Not measured.
+/// Directions whose support vertices stand for a body of more points.
 const DIRECTIONS: usize = 48;
 
-/// Most points of a part that is not replaced by its box. Not measured.
+/// Most points of a part that is not replaced by its box.
 const MOST_POINTS: usize = 48;
 
 /// Points, coordinate by coordinate.

@@ -27,15 +27,15 @@ use lin_canny::separation::{Measurement, Separation};
 use lin_canny::{EXTENT_MAX, MovingPair, Operand, RelativePose};
 
 /// Width of the bracket of a contact, in units of the sum of both radii. Free segments that come
-/// closer than this need more queries. Not measured.
+/// closer than this need more queries.
 const CONTACT: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// Number of recent collisions that are tested first at the next configuration. The first few of
-/// them are tested before any box. Not measured.
+/// them are tested before any box.
 pub(crate) const HITS: usize = 16;
 pub(crate) const HITS_FIRST: usize = 2;
 
-/// Least number of parts of a curve with a tube of joints, a power of two. Not measured.
+/// Least number of parts of a curve with a tube of joints, a power of two.
 const TUBE_PARTS: u32 = 16;
 
 /// Checks motions of a robot among obstacles, with one tracker per pair.

@@ -22,7 +22,7 @@ use lin_canny::RelativePose;
 use lin_canny::broad::Aabb;
 use lin_canny::impact::Impact;
 
-/// Configurations of a segment that are measured before its clearance is proven. Not measured.
+/// Configurations of a segment that are measured before its clearance is proven.
 const SAMPLES: u32 = 8;
 
 /// Maximum number of times that the clearance to be proven is lowered along a segment. Not
@@ -30,7 +30,7 @@ const SAMPLES: u32 = 8;
 const LOWERED: u32 = 1000;
 
 /// Factor by which the search distance grows if no obstacle is within the distance of the last
-/// clearance. If none is within the larger distance, all obstacles are measured. Not measured.
+/// clearance. If none is within the larger distance, all obstacles are measured.
 const ENLARGED: f64 = 4.0;
 
 /// A pair at a configuration: signed distance, bounds, witness points and gradient.

@@ -23,7 +23,7 @@ use crate::names::{CellBody, CellPair};
 use crate::tolerance::ATTACHED;
 use lin_canny::broad::Aabb;
 
-/// Maximum number of parts, a power of two. Not measured.
+/// Maximum number of parts, a power of two.
 const PARTS: u32 = 64;
 
 /// Distance of the points of a body from their chords, in radii of the body, beyond which the parts

@@ -10,10 +10,10 @@ use crate::motion::joint_motion::{JointMotion, PieceRef, Tube};
 use crate::motion::space::ConfigurationSpace;
 use crate::names::CellPair;
 
-/// Number of times after the first at which a contact is searched for. Not measured.
+/// Number of times after the first at which a contact is searched for.
 const TIMES: u32 = 64;
 
-/// Number of pairs that are tried, and of corners of the tube for each. Not measured.
+/// Number of pairs that are tried, and of corners of the tube for each.
 const PAIRS: usize = 8;
 const CORNERS: usize = 4;
 

@@ -49,7 +49,7 @@ use lin_canny::motion::{MotionModel, Remainder};
 use lin_canny::normalize_rotation;
 
 /// Rotation of the joints that two links share, in radians, beyond which the pair is measured
-/// relative to the last link that carries both. Not measured.
+/// relative to the last link that carries both.
 const TURNED: f64 = 1.0;
 
 /// Rotation of all joints, in radians at the greatest rate, beyond which a curve is cut for casts.
@@ -59,7 +59,7 @@ const CUT: f64 = 8.0;
 /// Product of span and degree up to which bounds are those of the whole span, not of nested parts.
 const EVEN: f64 = 1.0;
 
-/// Largest number of parts of a curve for casts. Not measured.
+/// Largest number of parts of a curve for casts.
 const CUTS: u32 = 32;
 
 /// Parts of the integral `3 int (1 - y)^2 dy` over the second half, the second quarter and the

@@ -9,7 +9,7 @@ use crate::extremes::Extremes;
 use lin_canny::{Outcome, PointOutcome, PointQuery};
 
 /// Steps of the search for a deep point, their first length in units of the smaller radius, and its
-/// factor after a step that does not lead deeper. Not measured.
+/// factor after a step that does not lead deeper.
 const SINKING: usize = 40;
 const FIRST_STEP: f64 = 0.25;
 const SHORTER: f64 = 0.8;

@@ -11,7 +11,7 @@ use crate::cell::range_body::{Part, RangeBody};
 use crate::extremes::Extremes;
 use lin_canny::{ConvexPolyhedron, Outcome, RelativePose, Tracker};
 
-/// Most pairs of parts that are tested in a cell. Not measured.
+/// Most pairs of parts that are tested in a cell.
 const MOST: u32 = 4096;
 
 /// Greatest displacement for which parts are tried, in units of the distance at the centre. Not

@@ -20,16 +20,16 @@ use crate::random::Random;
 use lin_canny::{ContactState, Geometry, Outcome, PairTracker, Progress, RelativePose};
 
 /// Number of cells that are searched before configurations are sampled, if the options have no
-/// width. Not measured.
+/// width.
 const CELLS_FIRST: u64 = 32;
 
 /// Nearest samples from which the distance is lowered, and queries of each such search. A ridge may
-/// take hundreds of thousands of steps. Not measured.
+/// take hundreds of thousands of steps.
 const STARTS: usize = 6;
 const DESCENT: u64 = 3000;
 
 /// Cells with a contact without depth after which a search without a free configuration ends: no
-/// cell about such a contact is ever proven blocked. Not measured.
+/// cell about such a contact is ever proven blocked.
 const FLAT: u32 = 64;
 
 /// First and last step of a search for the least distance, and its growth from step to step, in

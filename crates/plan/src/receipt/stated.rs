@@ -14,7 +14,7 @@ use lin_canny::polyhedron::ConvexPolyhedron;
 use lin_canny::shape::Core;
 use lin_canny::{Compound, Geometry, Mesh, MeshKind, Piece, Shape};
 
-/// Directions along which points of an ellipsoid are taken, for a hull that is nearly the body. Not measured.
+/// Directions along which points of an ellipsoid are taken, for a hull that is nearly the body.
 const SIDES: u32 = 16;
 
 /// Number of the finenesses at which a curved surface is stated. A receipt takes the first that is enough.

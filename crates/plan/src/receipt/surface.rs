@@ -23,7 +23,7 @@ use crate::extremes::Extremes;
 use crate::tolerance::CONTAINED;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 
-/// The greatest thickness, over the size of the surface, at each fineness. Not measured.
+/// The greatest thickness, over the size of the surface, at each fineness.
 const THICKNESS: [f64; FINENESS] = [1.0 / 256.0, 1.0 / 2048.0, 1.0 / 16_384.0];
 
 /// Greatest number of halvings of a patch.

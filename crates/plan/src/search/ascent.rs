@@ -16,18 +16,18 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::motion::space::ConfigurationSpace;
 
-/// Maximum number of steps of an ascent. Not measured.
+/// Maximum number of steps of an ascent.
 const ASCENT: usize = 96;
 
 /// Gain of a step, divided by the length of the trust region, below which the clearance counts as
-/// stationary. Not measured.
+/// stationary.
 const FLAT: f64 = 1.0 / 256.0;
 
-/// Fraction of the expected gain that a step must reach. Not measured.
+/// Fraction of the expected gain that a step must reach.
 const GOOD: f64 = 1.0 / 8.0;
 
 /// Maximum number of pairs that count at one configuration: twice as many bounds as determine a
-/// maximum in six dimensions. Not measured.
+/// maximum in six dimensions.
 const PLANES: usize = 12;
 
 /// Maximum number of exchanges between two weights in the search for a step. Of random models with

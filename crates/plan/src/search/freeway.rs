@@ -9,14 +9,12 @@ use crate::motion::space::ConfigurationSpace;
 use crate::search::ascent::{ClearConfiguration, Slice};
 
 /// Clearance, in units of the shortest step, below which a freeway is closed and no bridge starts.
-/// Not measured.
 pub(crate) const CLOSED: f64 = 64.0;
 
-/// Maximum number of steps of a trace in one direction. Not measured.
+/// Maximum number of steps of a trace in one direction.
 const TRACE: usize = 256;
 
 /// Step lengths by which the corrector may move a configuration; farther away is another maximum.
-/// Not measured.
 const HOP: f64 = 4.0;
 
 /// The reason why a freeway ends.

@@ -22,7 +22,7 @@ use crate::search::roadmap::{GOAL, Roadmap, START};
 use crate::search::rrt_connect::TreeSearch;
 
 /// The longest and the shortest step of an ascent or a trace, in units of the largest extent of the
-/// bounds. Not measured.
+/// bounds.
 const LONGEST: f64 = 1.0 / 16.0;
 const SHORTEST: f64 = 1.0 / 32_768.0;
 

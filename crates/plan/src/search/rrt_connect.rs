@@ -31,16 +31,16 @@ use crate::search::roadmap::{EdgeKind, GOAL, Roadmap, START, apart};
 /// 2.3 with a fourteenth, and 1.14 and 4.3 with a sixth.
 const STEP: f64 = 1.0 / 10.0;
 
-/// Steps within which a node takes samples after a step of it was blocked. Not measured.
+/// Steps within which a node takes samples after a step of it was blocked.
 const REACH: f64 = 4.0;
 
-/// Maximum number of samples in a row that are passed over. Not measured.
+/// Maximum number of samples in a row that are passed over.
 const PASSED: u32 = 32;
 
-/// Maximum number of nodes of a tree among which the nearest is searched. Not measured.
+/// Maximum number of nodes of a tree among which the nearest is searched.
 const MANY: usize = 512;
 
-/// Maximum number of steps from a new node to the other tree. Not measured.
+/// Maximum number of steps from a new node to the other tree.
 const STEPS: f64 = 1024.0;
 
 /// The two trees, whose nodes are in one roadmap.

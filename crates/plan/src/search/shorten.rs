@@ -281,7 +281,7 @@ impl Corners {
     }
 }
 
-/// Times at which a predicate tests a shortcut before it is proven. Not measured.
+/// Times at which a predicate tests a shortcut before it is proven.
 const INSIDE: [f64; 3] = [0.5, 0.25, 0.75];
 
 /// Part of the length of the path that a shortcut must save. On 700 problems of Panda, paths are

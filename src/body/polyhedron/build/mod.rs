@@ -36,11 +36,11 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 /// A body is flat or long if the product of its squared half axes is below this fraction of the
 /// product for a ball with an equal sum of squares, as for 3:3:1. Flat bodies compute start
-/// features from their ellipsoids, which costs more than from the line of centres. Not measured.
+/// features from their ellipsoids, which costs more than from the line of centres.
 const FLAT: f64 = 0.32;
 
 /// With at most this number of vertices every walk is short, and a start from ellipsoids costs more
-/// than it saves. Not measured.
+/// than it saves.
 const FEW: usize = 12;
 
 /// Number of points from which it is faster to remove inner points first.

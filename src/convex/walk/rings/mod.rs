@@ -77,7 +77,7 @@ impl ConvexPolyhedron {
 }
 
 /// Curves are fitted over this fraction (one over the number) of their ring on each side: an arc of
-/// about three degrees, smooth over small edges and short. Not measured.
+/// about three degrees, smooth over small edges and short.
 const SPAN: usize = 256;
 
 /// A large ring of a body, as a curve.

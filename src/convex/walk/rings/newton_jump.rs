@@ -26,21 +26,21 @@ use crate::pair::draft::Draft;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::PosedPair;
 
-/// Number of Newton steps of one jump. Not measured.
+/// Number of Newton steps of one jump.
 const STEPS: usize = 3;
 
 /// Relative amount that makes non-positive second derivatives positive: safer steps for slower
-/// convergence. Not measured.
+/// convergence.
 const DAMPING: f64 = 1.0 / 1024.0;
 
 /// A Newton step shorter than this is the last: the next step would be as short as its square. Not
 /// measured.
 const CLOSE: f64 = 1.0 / 8.0;
 
-/// How often a jump that leads no closer is cut to a quarter before it is dropped. Not measured.
+/// How often a jump that leads no closer is cut to a quarter before it is dropped.
 const TRIES: u32 = 3;
 
-/// Bisections for the point at which a curve leaves a face. Not measured.
+/// Bisections for the point at which a curve leaves a face.
 const BISECTIONS: u32 = 8;
 
 /// How far a parabola is followed, in lengths of its fit: longer jumps for worse extrapolation. Not
