@@ -4,6 +4,7 @@
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort;
 use crate::broad::body::{Bodies, UNBOUNDED};
 use crate::broad::change::{Changes, pair_key};
 use crate::broad::pairs::PairSlots;
@@ -155,7 +156,7 @@ pub(super) fn nearest(
         }
         reach = (reach * 2.0).smaller(farthest);
     }
-    out.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.body.cmp(&b.body)));
+    sort(out.as_mut_slice(), |a, b| a.distance.total_cmp(&b.distance).then(a.body.cmp(&b.body)));
     out.truncate(count);
     Ok(out)
 }

@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Point3, Vector3};
 
+use crate::base::num::sort::sort;
 use crate::body::polyhedron::{ConvexPolyhedron, Feature};
 use crate::nonconvex::near_parts::order;
 use crate::nonconvex::point::StoredPoint;
@@ -36,6 +37,6 @@ pub(crate) fn outcomes_of_faces(body: &ConvexPolyhedron, point: &Point3<f64>) ->
         let location = WitnessLocation::new(face.index() as u32, Feature::Face(face));
         all.push(stored.outcome(&near, &corners(near.item), state, || false, |_| location));
     }
-    all.sort_by(order);
+    sort(&mut all, order);
     (!all.is_empty()).then_some(all)
 }

@@ -11,6 +11,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use crate::base::num::double_double::Expansion;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{FAR_POINT, POINT_ELEMENT, UNIT};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
@@ -94,7 +95,7 @@ pub(crate) fn within(body: &impl NearItems, point: &Point3<f64>, d: f64) -> Vec<
         found.push(new);
         d
     });
-    found.sort_by(order);
+    sort(&mut found, order);
     found
 }
 

@@ -10,6 +10,7 @@ use super::tracker::{PairError, refused};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::fingerprint::Fingerprint;
+use crate::base::num::sort::sort_by_key;
 use crate::base::pose::RelativePose;
 use crate::body::shape::Shape;
 use crate::convex::contact::{Manifold, ManifoldOptions};
@@ -62,7 +63,7 @@ impl NearElements {
     fn collect(before: Option<Self>, cloud: &Cloud, (centre, radius): (Point3<f64>, f64)) -> Option<Self> {
         let sorted = |radius: f64| {
             let mut items = cloud.items_near((centre, radius));
-            items.sort_unstable_by_key(|item| cloud.number(*item));
+            sort_by_key(&mut items, |item| cloud.number(*item));
             items
         };
         let numbers = |items: &[u32]| -> Vec<u32> { items.iter().map(|item| cloud.number(*item)).collect() };

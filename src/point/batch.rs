@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::{PointError, PointQuery, PointRoom, check};
 #[cfg(feature = "meshes")]
+use crate::base::num::sort::arrange;
 use crate::nonconvex::{mesh::Mesh, tree::morton};
 use crate::pair::outcome::Distance;
 use crate::pair::point::PointOutcome;
@@ -102,18 +103,20 @@ impl PointQuery<'_> {
         let mut all = Vec::with_capacity(points.len());
         for block in points.chunks(BLOCK) {
             let order = self.order(block);
-            let run = |part: &[u32]| -> Vec<(u32, T)> {
+            let run = |part: &[u32]| -> Vec<T> {
                 let mut room = PointRoom::default();
                 part.iter()
-                    .map(|&k| (k, answer(self, &block[k as usize], &mut room)))
+                    .map(|&k| answer(self, &block[k as usize], &mut room))
                     .collect()
             };
             #[cfg(feature = "parallel")]
-            let mut found: Vec<(u32, T)> = order.par_chunks(RUN).flat_map_iter(run).collect();
+            let mut found: Vec<T> = order.par_chunks(RUN).flat_map_iter(run).collect();
             #[cfg(not(feature = "parallel"))]
             let mut found = run(&order);
-            found.sort_unstable_by_key(|(k, _)| *k);
-            all.extend(found.into_iter().map(|(_, answer)| answer));
+            let mut places = alloc::vec![0; order.len()];
+            order.iter().enumerate().for_each(|(at, &k)| places[k as usize] = at);
+            arrange(&mut found, &mut places);
+            all.append(&mut found);
         }
         all
     }

@@ -3,6 +3,7 @@
 //! points).
 
 use crate::base::num::each::Each;
+use crate::base::num::sort::sort_by_key;
 use crate::body::polyhedron::FeaturePair;
 use crate::broad;
 use crate::broad::Aabb;
@@ -95,7 +96,7 @@ impl Scene {
             .into_iter()
             .filter_map(|other| Some(self.answer(&self.broad.pair(proxy, other)?)))
             .collect();
-        found.sort_unstable_by_key(|p| (p.a, p.b));
+        sort_by_key(&mut found, |p| (p.a, p.b));
         Ok(found)
     }
 

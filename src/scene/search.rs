@@ -16,6 +16,7 @@
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{BOX_DISTANCE_DOWN, RAY, SCENE_REACH};
 use crate::body::polyhedron::BoxHint;
@@ -130,7 +131,9 @@ impl Scene {
                 .filter(|&other| self.may_pair(id.index, other))
                 .filter_map(|other| self.near_within(id.index, other, farthest))
                 .collect();
-            found.sort_by(|x, y| x.outcome.distance.total_cmp(&y.outcome.distance).then(x.b.cmp(&y.b)));
+            sort(&mut found, |x, y| {
+                x.outcome.distance.total_cmp(&y.outcome.distance).then(x.b.cmp(&y.b))
+            });
             found.truncate(count);
             // Boxes that were not returned are no nearer than the last box, and bodies are no
             // nearer than their boxes.
@@ -355,7 +358,7 @@ impl Scene {
             left.append(&mut candidates);
         }
         left.retain(|candidate| search.may_be_closer(candidate));
-        left.sort_unstable_by(by_bound);
+        sort(&mut left, by_bound);
         for candidate in left {
             if search.may_be_closer(&candidate) {
                 search.measure(candidate);
@@ -522,7 +525,7 @@ impl Scene {
                 Some((from, k))
             })
             .collect();
-        candidates.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        sort(&mut candidates, |x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
         let mut caster = RayCaster::new();
         let mut first: Option<(f64, BodyId, RayCast)> = None;
         for (from, k) in candidates {

@@ -13,6 +13,7 @@ use super::queries::{Detail, GROUPS, Group, Table, group_pair_of};
 use super::report::{Clock, Report};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
+use crate::base::num::sort::{sort, sort_by_key};
 use crate::base::tolerance::ROUND_UP;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, PairId};
@@ -181,7 +182,7 @@ impl Scene {
                 end(&pair_state, members, pair.id, &mut changes);
             }
         }
-        removed.sort_unstable_by_key(|(members, ..)| *members);
+        sort_by_key(&mut removed, |(members, ..)| *members);
         for pair in events.began {
             let members = bodies_of(bodies, pair);
             let found = removed.binary_search_by_key(&members, |(members, ..)| *members);
@@ -250,7 +251,7 @@ impl Scene {
 
     /// Sorts changes and impacts, and writes them with ids.
     fn write_events(&mut self, mut tally: Tally) {
-        tally.changes.sort_unstable_by_key(|h| (h.pair, h.change));
+        sort_by_key(&mut tally.changes, |h| (h.pair, h.change));
         let bodies = &self.bodies;
         self.events.extend(tally.changes.iter().map(|h| Event {
             a: bodies.id(h.pair[0]),
@@ -263,7 +264,7 @@ impl Scene {
             let order = x.safe().total_cmp(&y.safe()).then((x.a, x.b).cmp(&(y.a, y.b)));
             order.then(x.distance.total_cmp(&y.distance))
         };
-        self.impacts.sort_unstable_by(order);
+        sort(&mut self.impacts, order);
         self.report.counts.events = self.events.len() as u64;
         self.report.counts.impacts = self.impacts.len() as u64;
     }

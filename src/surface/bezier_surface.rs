@@ -10,6 +10,7 @@ use super::tree::NetTree;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
+use crate::base::num::sort::sort;
 use crate::base::num::sum_of_counters;
 use crate::base::tolerance::{SEAM, SURFACE_POINT};
 use crate::body::polyhedron::ConvexPolyhedron;
@@ -226,7 +227,7 @@ fn is_closed(patches: &[BezierPatch], reach: f64) -> bool {
             borders.push((side[0].x + side[side.len() - 1].x, side, false));
         }
     }
-    borders.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort(&mut borders, |a, b| a.0.total_cmp(&b.0));
     for k in 0..borders.len() {
         if borders[k].2 {
             continue;

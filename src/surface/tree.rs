@@ -17,6 +17,7 @@ use super::net::BezierPatch;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort;
 use crate::base::tolerance::{NET as NET_ERROR, NET_CUT, NET_STEP, ROUND_UP};
 
 /// Largest number of splits of a node in each direction. Parameters stay multiples of `2^-48`.
@@ -161,7 +162,7 @@ impl NetTree {
                 .unwrap_or_default();
             let axis = (high - low).imax();
             let key = |k: &u32| boxes[*k as usize].0[axis] + boxes[*k as usize].1[axis];
-            order[from..to].sort_by(|a, b| key(a).total_cmp(&key(b)));
+            sort(&mut order[from..to], |a, b| key(a).total_cmp(&key(b)));
             let middle = from + (to - from) / 2;
             let child = tree.nodes.len();
             tree.nodes.extend([empty(), empty()]);

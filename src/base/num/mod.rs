@@ -11,6 +11,7 @@ pub(crate) mod fingerprint;
 pub(crate) mod packed;
 pub(crate) mod scalar;
 pub(crate) mod sign;
+pub(crate) mod sort;
 
 use core::cmp::Ordering;
 

@@ -8,6 +8,7 @@ use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign::{projection, side, turn};
+use crate::base::num::sort::sort;
 use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN, PLANARITY};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::polyhedron::build::cloud::{Cloud, power_of_two};
@@ -417,7 +418,7 @@ fn check_planar(cloud: &Cloud, base: &Vector3<f64>, normal: &Vector3<f64>) -> Re
 fn planar_hull(points: &[Vector3<f64>], axis: usize) -> (Vec<u32>, Vec<u32>) {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
-    order.sort_unstable_by(|&i, &j| {
+    sort(&mut order, |&i, &j| {
         let (p, q) = (&points[i as usize], &points[j as usize]);
         p[u].total_cmp(&q[u]).then(p[v].total_cmp(&q[v])).then(i.cmp(&j))
     });

@@ -18,6 +18,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use crate::base::num::each::Each;
+use crate::base::num::sort::sort_by_key;
 use crate::body::polyhedron::fans::Fan;
 use crate::body::polyhedron::fans::LARGE;
 use crate::body::polyhedron::feature::{EdgeId, FaceId, HalfEdgeId, VertexId};
@@ -349,7 +350,9 @@ fn sort_by_ends(vertices: usize, raw: &[[u32; 4]]) -> (Vec<u32>, Vec<u32>) {
         place[r[0] as usize] += 1;
     }
     for v in 0..vertices {
-        order[start[v] as usize..start[v + 1] as usize].sort_unstable_by_key(|&h| raw[h as usize][1]);
+        sort_by_key(&mut order[start[v] as usize..start[v + 1] as usize], |&h| {
+            raw[h as usize][1]
+        });
     }
     (start, order)
 }

@@ -17,6 +17,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort_by_key;
 use crate::base::tolerance::{EXPONENT_FREE, EXTENT_MAX, PLACE_MAX, UNIT};
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron, exponent_of, far_origin, power_of_two};
 use crate::body::shape::{Shape, ShapeError, is_rounding};
@@ -448,7 +449,7 @@ impl Cloud {
     /// Returns an error if an element reaches farther than 1e116 from the origin.
     pub fn to_compound(&self) -> Result<Compound, CompoundError> {
         let mut items: Vec<u32> = (0..self.len() as u32).collect();
-        items.sort_unstable_by_key(|item| self.number_of(*item as usize));
+        sort_by_key(&mut items, |item| self.number_of(*item as usize));
         self.compound_of(items.into_iter())
     }
 

@@ -48,6 +48,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, ByValue, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::{sort, sort_by_key};
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{ACROSS, CERTIFICATE, UNIT};
 use crate::convex::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
@@ -192,7 +193,7 @@ impl ContactTracker {
         }
         // The old contacts come first, so that they stay if others are equally good.
         let name = |c: &PatchContact| (c.patches, c.point.id);
-        all.sort_by_key(|c| !before.contains(&name(c)));
+        sort_by_key(&mut all, |c| !before.contains(&name(c)));
         let is_old = all.iter().take_while(|c| before.contains(&name(c))).count();
         let size = a.parts().half_size().smaller(b.parts().half_size());
         let merge = query.doubt.larger(options.rebuild_motion * size);
@@ -255,7 +256,7 @@ fn unresolved(query: &PatchQuery, all: &[(PatchContact, bool)]) -> Vec<PatchCont
     let mut depths: Vec<f64> = Vec::new();
     if all.iter().any(|(_, is_sure)| !is_sure) {
         depths.extend(all.iter().map(|(c, _)| depth(c)).filter(|d| *d > 0.0));
-        depths.sort_unstable_by(f64::total_cmp);
+        sort(&mut depths, f64::total_cmp);
     }
     let is_kept = |of: &[(PatchContact, bool)]| {
         let deepest = of.iter().map(|(c, _)| depth(c)).fold(0.0, f64::larger);
@@ -324,7 +325,9 @@ impl PatchQuery<'_> {
 /// The first `old` contacts are those of the last query.
 fn groups(all: &[PatchContact], old: usize, most: usize, merge: f64, tie: f64) -> Vec<ContactGroup> {
     let mut deepest: Vec<usize> = (0..all.len()).collect();
-    deepest.sort_by(|&i, &j| all[i].point.separation.by_value(all[j].point.separation));
+    sort(&mut deepest, |&i, &j| {
+        all[i].point.separation.by_value(all[j].point.separation)
+    });
     let mut groups: Vec<(Unit<Vector3<f64>>, Vec<usize>)> = Vec::new();
     for k in deepest {
         let n = all[k].normal;

@@ -17,6 +17,7 @@ use super::patches::Borne;
 use super::{PatchContact, PatchQuery};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{ByValue, Extremes};
+use crate::base::num::sort::sort;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, Feature};
 use crate::body::shape::{Core, Shape};
@@ -342,7 +343,7 @@ impl PosedPatches<'_> {
         let of_b = faces(q.core(), p.core(), &back);
         let mut all: alloc::vec::Vec<(bool, Outcome)> =
             of_a.map(|o| (true, o)).chain(of_b.map(|o| (false, o))).collect();
-        all.sort_by(|x, y| y.1.distance.by_value(x.1.distance));
+        sort(&mut all, |x, y| y.1.distance.by_value(x.1.distance));
         let most = self.query.options.prediction + p.rounding_radius() + q.rounding_radius();
         let is_real = move |(of_a, o): &(bool, Outcome)| {
             o.distance <= most

@@ -23,6 +23,7 @@ use nalgebra::{Point3, Vector3};
 use crate::base::callbacks::Watch;
 use crate::base::num::extremes::{ByValue, Extremes};
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort;
 use crate::base::tolerance::ACROSS;
 use crate::body::polyhedron::{ConvexPolyhedron, bounding_box};
 use crate::body::shape::Shape;
@@ -436,7 +437,7 @@ fn flat_corners(mesh: &Mesh, n: &Vector3<f64>, tolerance: f64, vertices: &mut Ve
         let d = mesh.points[k as usize] - base;
         (u.dot(&d), v.dot(&d))
     };
-    vertices.sort_by(|&j, &k| {
+    sort(vertices, |&j, &k| {
         let (p, q) = (at(j), at(k));
         p.0.by_value(q.0).then(p.1.by_value(q.1))
     });

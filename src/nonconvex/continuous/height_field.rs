@@ -29,6 +29,7 @@ use super::frame::MovingMesh;
 use super::paths::{VertexPath, size};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::sort::sort;
 use crate::base::tolerance::{PATH_AREA, PATH_GAP, UNIT};
 use crate::body::polyhedron::{exponent_of, power_of_two};
 
@@ -186,7 +187,7 @@ impl<'a> HeightFields<'a> {
             ([range(0), range(1)], [from, to], ways)
         };
         let mut edges: Vec<_> = self.rim.iter().map(edge).collect();
-        edges.sort_unstable_by(|a, b| a.0[0][0].total_cmp(&b.0[0][0]).then(a.1.cmp(&b.1)));
+        sort(&mut edges, |a, b| a.0[0][0].total_cmp(&b.0[0][0]).then(a.1.cmp(&b.1)));
         edges.iter().enumerate().all(|(i, ([x, y], ends, p))| {
             let later = edges[i + 1..]
                 .iter()

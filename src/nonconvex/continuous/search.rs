@@ -9,6 +9,7 @@ use nalgebra::Vector3;
 use super::paths::{FourVertices, Parts, VertexPath, VertexPaths, VertexPlaces, volume_sign, volumes};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, ByValue, Extremes};
+use crate::base::num::sort::sort;
 use crate::nonconvex::query::triangle::Triangle;
 
 /// Smallest interval of time in which the search for vertices on straight paths is continued before
@@ -408,7 +409,7 @@ pub(super) fn triangles_until(
         }
     }
     // Pairs with the smallest `safe` come first, because they may end the search.
-    open.sort_by(|x, y| x.0.by_value(y.0));
+    sort(&mut open, |x, y| x.0.by_value(y.0));
     for (safe, found, pair) in open {
         if safe < first.hit {
             first.add(decided(found, width, work, |wide| pair.exactly(width, wide)));

@@ -37,6 +37,7 @@ use wide::f32x8;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort_by_key;
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::query::box_gaps::WIDTH;
 use crate::nonconvex::query::frame::{Single, TreeFrame, TreeMoves, Way};
@@ -411,7 +412,7 @@ pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &TreeFrame) -> Res
 fn covers_once(entries: &BTreeMap<NodePair, ()>, a: &Mesh, b: &Mesh) -> Result<(), FrontFault> {
     let ranges = |&pair: &NodePair| (pair, a.tree.range(pair[0]), b.tree.range(pair[1]));
     let mut all: Vec<_> = entries.keys().map(ranges).collect();
-    all.sort_unstable_by_key(|(_, of_a, _)| (of_a.start, of_a.end));
+    sort_by_key(&mut all, |(_, of_a, _)| (of_a.start, of_a.end));
     let meet = |x: &Range<u32>, y: &Range<u32>| x.start < y.end && y.start < x.end;
     let mut pairs = 0;
     for (k, (pair, of_a, of_b)) in all.iter().enumerate() {

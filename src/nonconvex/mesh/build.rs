@@ -17,6 +17,7 @@ use crate::base::num::extremes::{Extremes, largest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
+use crate::base::num::sort::sort;
 use crate::base::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX, SIDE_ERROR, UNIT};
 use crate::body::polyhedron::{ConvexPolyhedron, bounding_box, exponent_of, far_origin, power_of_two};
 use crate::nonconvex::tree::{LEAF, Tree};
@@ -464,7 +465,9 @@ fn first_equal(points: &[Vector3<f64>]) -> Vec<u32> {
     keys.sort_unstable();
     let mut same_as: Vec<u32> = (0..points.len() as u32).collect();
     for run in keys.chunk_by_mut(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
-        run.sort_unstable_by(|a, b| order(&points[a.1 as usize], &points[b.1 as usize]).then(a.1.cmp(&b.1)));
+        sort(run, |a, b| {
+            order(&points[a.1 as usize], &points[b.1 as usize]).then(a.1.cmp(&b.1))
+        });
         for equal in run.chunk_by(|a, b| points[a.1 as usize] == points[b.1 as usize]) {
             equal.iter().for_each(|k| same_as[k.1 as usize] = equal[0].1);
         }

@@ -20,6 +20,7 @@ use super::{Mesh, MeshError, MeshPart};
 use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
+use crate::base::num::sort::sort;
 use crate::base::tolerance::SLANT;
 use crate::nonconvex::query::inside::ExactSigns;
 use crate::nonconvex::query::triangle;
@@ -88,7 +89,9 @@ fn cancels(points: &[Vector3<f64>], edges: &[[u32; 2]]) -> bool {
 fn cancels_at(points: &[Vector3<f64>], at: &[(u32, u32, i64)]) -> bool {
     let end = |&(v, w, sense): &(u32, u32, i64)| (slant(&(points[w as usize] - points[v as usize])), v, w, sense);
     let mut ends: Vec<(f64, u32, u32, i64)> = at.iter().map(end).collect();
-    ends.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2, x.3).cmp(&(y.1, y.2, y.3))));
+    sort(&mut ends, |x, y| {
+        x.0.total_cmp(&y.0).then((x.1, x.2, x.3).cmp(&(y.1, y.2, y.3)))
+    });
     for k in 0..ends.len() {
         let (least, v, w, own) = ends[k];
         // An end that has been counted already has no sign left.
@@ -372,7 +375,9 @@ impl Mesh {
         let (sheets, _) = self.sheets();
         let size = |t: u32| triangle::normal(&self.corners(t)).norm_squared();
         let mut order: Vec<(u32, f64, u32)> = (0u32..).zip(&sheets).map(|(t, s)| (*s, size(t), t)).collect();
-        order.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(y.1.total_cmp(&x.1)).then(x.2.cmp(&y.2)));
+        sort(&mut order, |x, y| {
+            x.0.cmp(&y.0).then(y.1.total_cmp(&x.1)).then(x.2.cmp(&y.2))
+        });
         let (mut is_inward, mut open) = (vec![false; sheets.len()], Vec::new());
         for sheet in order.chunk_by(|x, y| x.0 == y.0) {
             match sheet.iter().take(PROBES).find_map(|x| self.is_inward(x.2)) {

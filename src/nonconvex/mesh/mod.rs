@@ -24,6 +24,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::sign;
+use crate::base::num::sort::sort;
 use crate::base::tolerance::PART_EXTENT_MIN;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::polyhedron::obj;
@@ -258,7 +259,7 @@ fn line([a, b, c]: &[Point3<f64>; 3]) -> Option<ConvexPolyhedron> {
         longest(i).total_cmp(&longest(j))
     })?;
     let mut ends = [*a, *b, *c];
-    ends.sort_by(|p, q| p[axis].total_cmp(&q[axis]));
+    sort(&mut ends, |p, q| p[axis].total_cmp(&q[axis]));
     ConvexPolyhedron::segment_of(ends[0], ends[2], PART_EXTENT_MIN)
         .or_else(|_| ConvexPolyhedron::point(*a))
         .ok()

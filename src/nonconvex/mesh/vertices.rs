@@ -19,6 +19,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes, largest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort_by_key;
 use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN, PLACE_MAX, UNIT};
 use crate::body::polyhedron::{bounding_box, power_of_two};
 use crate::nonconvex::tree::{Paths, Refit};
@@ -97,7 +98,7 @@ pub(super) struct Bending {
 /// Returns the stored vertices by index, given the caller's index of each.
 pub(super) fn by_source(sources: &[u32]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..sources.len() as u32).collect();
-    order.sort_unstable_by_key(|&k| sources[k as usize]);
+    sort_by_key(&mut order, |&k| sources[k as usize]);
     order
 }
 

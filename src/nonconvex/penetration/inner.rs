@@ -38,6 +38,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use super::cell::cell;
 use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
@@ -552,7 +553,7 @@ fn through(vertices: [u32; 3], x: &Triangle, [a, b, c]: &Triangle, found: &mut V
 /// They are in stored coordinates, each with an inward direction in the frame of the crossings. If
 /// there are many, only some of them are returned.
 fn middles(mesh: &Mesh, mut crossings: Vec<EdgePart>) -> Vec<(Vector3<f64>, Vector3<f64>)> {
-    crossings.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
+    sort(&mut crossings, |x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
     let mut all = Vec::new();
     for on_edge in crossings.chunk_by(|x, y| x.0 == y.0) {
         let [from, to] = on_edge[0].0.each(|v| mesh.points[v as usize]);

@@ -16,6 +16,7 @@ use nalgebra::Vector3;
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, ByValue, Extremes};
+use crate::base::num::sort::sort;
 use crate::base::num::sum_of_counters;
 use crate::nonconvex::front::{Front, NodePair};
 use crate::nonconvex::query::box_gaps::{BoundAim, BoxGaps, bounds};
@@ -564,7 +565,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
         let open = &mut open[..left];
         // The sort is stable, so pairs of equal bounds keep their order.
-        open.sort_by(|p, q| q.0.by_value(p.0));
+        sort(open, |p, q| q.0.by_value(p.0));
         stack.extend(open.iter().map(|p| p.1));
     }
 
@@ -660,7 +661,7 @@ impl SeedPair {
 fn keep(list: &mut [SeedPair; AT_ONCE], new: SeedPair) {
     if new.gap < list[AT_ONCE - 1].gap {
         list[AT_ONCE - 1] = new;
-        list.sort_by(|p, q| p.gap.by_value(q.gap));
+        sort(list, |p, q| p.gap.by_value(q.gap));
     }
 }
 

@@ -10,6 +10,7 @@ use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort;
 use crate::base::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};
 
 /// Least number of items of a node with a slab.
@@ -242,7 +243,7 @@ impl Tree {
     fn sort_axes(&mut self, node: usize, low: &mut Vector3<f64>, high: &mut Vector3<f64>) {
         let sides = *high - *low;
         let mut order = [0, 1, 2];
-        order.sort_by(|&i, &j| sides[j].total_cmp(&sides[i]));
+        sort(&mut order, |&i, &j| sides[j].total_cmp(&sides[i]));
         let axes = order.each(|k| self.boxes[node].axis(k));
         self.boxes[node].set_axes(&axes);
         (*low, *high) = (order.each(|k| low[k]).into(), order.each(|k| high[k]).into());

@@ -27,6 +27,7 @@ use super::{Below, CLOUD_LEAF, COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree, up};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort_by_key;
 use crate::base::tolerance::{BOX_EXTENT, REFIT_HEIGHT, UNIT};
 use crate::body::polyhedron::{exponent_of, power_of_two};
 
@@ -155,7 +156,7 @@ fn sorted(points: &[[f64; 3]]) -> (Vec<u32>, Vec<u64>, Vec<Range<usize>>) {
     }
     keys.resize(points.len(), 0);
     equal.retain(|range| range.len() > CROWD);
-    equal.sort_unstable_by_key(|range| range.start);
+    sort_by_key(&mut equal, |range| range.start);
     (order, keys, equal)
 }
 

@@ -20,6 +20,7 @@ use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort;
 use crate::base::tolerance::UNIT;
 use crate::body::polyhedron::{bounding_box, exponent_of, power_of_two};
 
@@ -409,7 +410,7 @@ pub(super) fn axes(matrix: &Matrix3<f64>) -> ([Vector3<f64>; 3], [f64; 3]) {
         }
     }
     let mut order = [0, 1, 2];
-    order.sort_by(|&i, &j| m[(j, j)].total_cmp(&m[(i, i)]));
+    sort(&mut order, |&i, &j| m[(j, j)].total_cmp(&m[(i, i)]));
     (order.each(|k| v.column(k).into_owned()), order.each(|k| m[(k, k)]))
 }
 

@@ -10,6 +10,7 @@ use super::supports::{Support, Supports};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::polyhedron::build::error::BuildError;
 use crate::point::{PointQuery, PointTracker};
@@ -51,7 +52,7 @@ impl Inner {
                     found.push((n.dot(&p.coords) - offset, p));
                 }
             }
-            found.sort_by(|a, b| b.0.total_cmp(&a.0));
+            sort(&mut found, |a, b| b.0.total_cmp(&a.0));
             let worst = found.first().map_or(0.0, |first| first.0);
             found.retain(|(height, _)| *height > NEAR && *height > 0.5 * worst);
             found.truncate(most - inner.points.len());

@@ -26,6 +26,7 @@ use crate::base::num::double_double::two_sum;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Extremes, largest};
 use crate::base::num::scalar::sqrt;
+use crate::base::num::sort::sort;
 use crate::base::tolerance::{CORE_CELL, CORE_ERROR, CORE_REACH, EXPONENT_FREE, EXTENT_MAX, FLUSH_EXPONENT, PLACE_MAX};
 use crate::body::polyhedron::build::error::BuildError;
 use crate::body::polyhedron::build::hull::hull;
@@ -400,7 +401,7 @@ fn morton_order(points: &[Vector3<f64>], indices: &[u32]) -> Vec<u32> {
         .collect();
     keys.sort_unstable();
     for run in keys.chunk_by_mut(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
-        run.sort_unstable_by(|a, b| {
+        sort(run, |a, b| {
             let (p, q) = (&points[a.1 as usize], &points[b.1 as usize]);
             let by_place = p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(p.z.total_cmp(&q.z));
             by_place.then(indices[a.1 as usize].cmp(&indices[b.1 as usize]))
@@ -580,7 +581,9 @@ fn extremes(sample: &[Vector3<f64>], low: &Vector3<f64>, scale: &Vector3<f64>, d
     found.sort_unstable();
     found.dedup();
     let mut points: Vec<Vector3<f64>> = found.into_iter().map(|i| sample[i as usize]).collect();
-    points.sort_unstable_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(p.z.total_cmp(&q.z)));
+    sort(&mut points, |p, q| {
+        p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(p.z.total_cmp(&q.z))
+    });
     points.dedup();
     points
 }

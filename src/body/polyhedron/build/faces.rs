@@ -11,6 +11,7 @@ use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::sign::side;
+use crate::base::num::sort::sort_by_key;
 use crate::base::tolerance::{EXTENT_MIN, PLANARITY, SIDE_ERROR};
 use crate::body::polyhedron::build::cloud::{Cloud, power_of_two};
 use crate::body::polyhedron::build::error::BuildError;
@@ -379,7 +380,7 @@ pub(crate) fn source_faces(
         rim.extend(body.topology.rim(f).map(|h| places[body.topology.from(h).index()]));
         // Vertices of many faces, such as the apex of a cone, come last and are looked up only in
         // the candidates known by then.
-        rim.sort_by_key(|&c| incidence.faces_at(c).len());
+        sort_by_key(&mut rim, |&c| incidence.faces_at(c).len());
         for &corner in &rim {
             if !candidates.is_empty() && incidence.faces_at(corner).len() > CROWD {
                 for &g in candidates.iter().filter(|&&g| incidence.has_corner(g, corner)) {
