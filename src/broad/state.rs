@@ -156,7 +156,9 @@ pub(super) fn nearest(
         }
         reach = (reach * 2.0).smaller(farthest);
     }
-    sort(out.as_mut_slice(), |a, b| a.distance.total_cmp(&b.distance).then(a.body.cmp(&b.body)));
+    sort(out.as_mut_slice(), |a, b| {
+        a.distance.total_cmp(&b.distance).then(a.body.cmp(&b.body))
+    });
     out.truncate(count);
     Ok(out)
 }

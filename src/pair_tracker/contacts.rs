@@ -16,6 +16,7 @@ use crate::body::shape::Shape;
 use crate::convex::contact::{Manifold, ManifoldOptions};
 use crate::nonconvex::cloud::Cloud;
 use crate::nonconvex::contact::{ContactGroup, ContactTracker, ConvexPatches, PatchContact};
+use crate::nonconvex::parts::PartsRef;
 use crate::nonconvex::parts::{Parted, relative};
 use crate::nonconvex::penetration::{Narrowing, PenetrationBounds};
 use crate::nonconvex::pieces::{Compound, CompoundTracker};
@@ -421,6 +422,8 @@ impl LentPair<'_> {
             Self::Meshes(pair) => return pair.tracker.penetration(pair.a, pair.b, pose, narrowing),
             _ => return None,
         };
+        // As all other callers do: the search is compiled once.
+        let [a, b] = [&a, &b].each(PartsRef::Pieces);
         CompoundTracker::new().penetration(&a, &b, pose, narrowing)
     }
 }

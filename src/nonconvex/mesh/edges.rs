@@ -78,7 +78,7 @@ pub(super) fn judge(points: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Edges {
 fn cancels(points: &[Vector3<f64>], edges: &[[u32; 2]]) -> bool {
     let ways = |&[from, to]: &[u32; 2]| [(from, to, 1), (to, from, -1)];
     let mut ends: Vec<(u32, u32, i64)> = edges.iter().flat_map(ways).collect();
-    ends.sort_unstable();
+    sort(&mut ends, Ord::cmp);
     ends.chunk_by(|a, b| a.0 == b.0).all(|at| cancels_at(points, at))
 }
 
@@ -395,7 +395,7 @@ impl Mesh {
             corners.rotate_left(first);
             twins.push((corners, self.source_triangles[t as usize], t));
         }
-        twins.sort_unstable();
+        sort(&mut twins, Ord::cmp);
         for equal in twins.chunk_by(|x, y| x.0 == y.0) {
             equal
                 .iter()

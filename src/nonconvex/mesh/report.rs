@@ -19,6 +19,7 @@ use crate::base::callbacks::{Stopped, Watch, WithProgress};
 use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
+use crate::base::num::sort::sort;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::ONE_PLANE;
 use crate::nonconvex::parts::Parted;
@@ -384,8 +385,8 @@ impl Mesh {
         {
             self.cross(&frame, most, &mut found, watch);
         }
-        found.crossings.sort_unstable();
-        found.cancelling.sort_unstable();
+        sort(&mut found.crossings, Ord::cmp);
+        sort(&mut found.cancelling, Ord::cmp);
         if self.is_solid() && watch.stage("parts in parts", None).is_ok() {
             self.nest(&mut found);
         }

@@ -17,6 +17,7 @@ use nalgebra::{Point3, Vector3};
 use super::inner::{FromInner, Inner};
 use super::supports::{Support, Supports};
 use crate::base::num::extremes::Extremes;
+use crate::base::num::sort::sort;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, VertexId};
 
 /// A corner that another plane cuts off by more than this part of the plane's height is none.
@@ -74,7 +75,7 @@ impl Dual {
     fn around(&self, vertex: VertexId) -> Vec<VertexId> {
         let faces = self.hull.vertex_faces(vertex);
         let mut all: Vec<VertexId> = faces.flat_map(|face| self.hull.face_vertices(face)).collect();
-        all.sort_unstable();
+        sort(&mut all, Ord::cmp);
         all.dedup();
         all.retain(|v| *v != vertex);
         all
