@@ -2,11 +2,10 @@
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use super::steady::{in_range, normalised, positive, turned};
+use super::steady::{normalised, rotations_and_way, turned};
 use super::{Motion, MotionError, MotionModel, Remainder};
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
-use crate::base::pose::RelativePose;
 use crate::base::tolerance::{PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
 
 /// A motion from one pose to another in a given time, by nlerp.
@@ -54,17 +53,7 @@ impl Nlerp {
         duration: f64,
         pivot: Point3<f64>,
     ) -> Result<Self, MotionError> {
-        RelativePose::new(from, to)?;
-        positive("duration", duration)?;
-        in_range("pivot", &pivot.coords)?;
-        let (first, last) = (
-            normalised(&from.rotation.into_inner()),
-            normalised(&to.rotation.into_inner()),
-        );
-        let mut way = to.translation.vector - from.translation.vector;
-        if pivot != Point3::origin() {
-            way += turned(&last, &pivot.coords) - turned(&first, &pivot.coords);
-        }
+        let ([first, last], way) = rotations_and_way([from, to], duration, &pivot)?;
         let centre = from.translation.vector + turned(&first, &pivot.coords);
         Ok(Self::of([first, last], [centre, way], pivot, duration))
     }

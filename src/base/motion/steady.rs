@@ -96,13 +96,7 @@ impl Steady {
         duration: f64,
         pivot: Point3<f64>,
     ) -> Result<Self, MotionError> {
-        RelativePose::new(from, to)?;
-        positive("duration", duration)?;
-        in_range("pivot", &pivot.coords)?;
-        let (first, last) = (
-            normalised(&from.rotation.into_inner()),
-            normalised(&to.rotation.into_inner()),
-        );
+        let ([first, last], way) = rotations_and_way([from, to], duration, &pivot)?;
         let turn = last * first.conjugate();
         let turn = if turn.w < 0.0 { -turn } else { turn };
         let sine = sqrt(turn.imag().norm_squared());
@@ -112,10 +106,6 @@ impl Steady {
         } else {
             2.0
         };
-        let mut way = to.translation.vector - from.translation.vector;
-        if pivot != Point3::origin() {
-            way += turned(&last, &pivot.coords) - turned(&first, &pivot.coords);
-        }
         let velocity = Velocity::new(way / duration, turn.imag() * (per_sine / duration));
         Self::about(from, pivot, velocity)
     }
@@ -279,6 +269,26 @@ impl Motion for Steady {
 /// within 1e-12.
 pub(super) fn normalised(q: &Quaternion<f64>) -> Quaternion<f64> {
     q / sqrt(q.norm_squared())
+}
+
+/// Returns the rotations of two poses and the displacement of the pivot.
+///
+/// # Errors
+/// Returns an error if a pose, the pivot or the duration is not finite or out of range.
+pub(super) fn rotations_and_way(
+    [from, to]: [&Isometry3<f64>; 2],
+    duration: f64,
+    pivot: &Point3<f64>,
+) -> Result<([Quaternion<f64>; 2], Vector3<f64>), MotionError> {
+    RelativePose::new(from, to)?;
+    positive("duration", duration)?;
+    in_range("pivot", &pivot.coords)?;
+    let [first, last] = [from, to].map(|pose| normalised(&pose.rotation.into_inner()));
+    let mut way = to.translation.vector - from.translation.vector;
+    if *pivot != Point3::origin() {
+        way += turned(&last, &pivot.coords) - turned(&first, &pivot.coords);
+    }
+    Ok(([first, last], way))
 }
 
 pub(super) fn turned(q: &Quaternion<f64>, v: &Vector3<f64>) -> Vector3<f64> {
