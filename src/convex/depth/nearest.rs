@@ -56,6 +56,25 @@ pub(crate) fn nearest_facet(
     memory: &mut Memory,
     draft: &mut Draft,
 ) -> NearestFeature {
+    depth_at_facet(posed, from, memory, draft, |facet, memory, _| {
+        let found = prove(posed, facet);
+        if found.is_none() && !memory.is_empty() {
+            memory.move_to(facet.facet);
+        }
+        found
+    })
+}
+
+/// Writes the depth that `prove` finds at the facet on which a descent from the features `from`
+/// ends.
+#[inline(always)]
+fn depth_at_facet(
+    posed: &PosedPair,
+    from: FeaturePair,
+    memory: &mut Memory,
+    draft: &mut Draft,
+    prove: impl FnOnce(&LowFacet, &mut Memory, &mut Draft) -> Option<SearchResult<f64>>,
+) -> NearestFeature {
     if !posed.same_scale() {
         return NearestFeature::Open(None);
     }
@@ -64,10 +83,7 @@ pub(crate) fn nearest_facet(
         Descent::Outside(facet) => return NearestFeature::Apart(facet.features()),
         Descent::Lost => return NearestFeature::Open(None),
     };
-    let Some(found) = prove(posed, &facet) else {
-        if !memory.is_empty() {
-            memory.move_to(facet.facet);
-        }
+    let Some(found) = prove(&facet, memory, draft) else {
         return touch_or_open(posed, &facet, draft);
     };
     // The next query tests the facet before a polytope.
@@ -153,21 +169,9 @@ pub(crate) fn local_depth(
     proof: &mut Option<OverlapProof>,
     draft: &mut Draft,
 ) -> NearestFeature {
-    if !posed.same_scale() {
-        return NearestFeature::Open(None);
-    }
-    let facet = match descend(posed, from, &mut draft.work.facets) {
-        Descent::Facet(facet) => facet,
-        Descent::Outside(facet) => return NearestFeature::Apart(facet.features()),
-        Descent::Lost => return NearestFeature::Open(None),
-    };
-    let Some(found) = overlap_at(posed, &facet, proof, draft) else {
-        return touch_or_open(posed, &facet, draft);
-    };
-    memory.clear();
-    memory.move_to(facet.facet);
-    write_overlap(posed, &found, draft);
-    NearestFeature::Proven
+    depth_at_facet(posed, from, memory, draft, |facet, _, draft| {
+        overlap_at(posed, facet, proof, draft)
+    })
 }
 
 /// Returns the height of a facet as the depth if the bodies are proven to overlap.
