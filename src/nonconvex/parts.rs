@@ -51,8 +51,11 @@ pub(crate) trait Parted {
 
     /// Returns whether a fingerprint is an earlier one of this body.
     ///
-    /// If so, the paths of its tree bound how far its points have moved since then.
-    fn came_from(&self, earlier: Fingerprint) -> bool;
+    /// If so, the paths of its tree bound how far its points have moved since then. Only vertices
+    /// of meshes move.
+    fn came_from(&self, _: Fingerprint) -> bool {
+        false
+    }
 
     /// Returns one stored unit in the caller's unit.
     fn stored_unit(&self) -> f64;
@@ -142,10 +145,14 @@ pub(crate) trait Parted {
     }
 
     /// Returns whether points inside belong to the body; false for open meshes.
-    fn is_solid(&self) -> bool;
+    fn is_solid(&self) -> bool {
+        true
+    }
 
     /// Returns whether [`holds`](Self::holds) can return true; only for solid meshes.
-    fn may_hold(&self) -> bool;
+    fn may_hold(&self) -> bool {
+        false
+    }
 
     /// Returns the number of pieces, or of connected components of a mesh, as far as it is known.
     fn probe_count(&self) -> usize;
@@ -158,8 +165,10 @@ pub(crate) trait Parted {
 
     /// Returns the centroid of one of up to 256 triangles spread over a mesh of one component.
     ///
-    /// Returns `None` beyond the last one, for other meshes, and for compounds.
-    fn further_probe(&self, k: usize) -> Option<Vector3<f64>>;
+    /// Returns `None` beyond the last one, for other meshes, for compounds and for clouds.
+    fn further_probe(&self, _: usize) -> Option<Vector3<f64>> {
+        None
+    }
 
     /// Returns a point of a connected component without rounding, in the caller's unit.
     #[cfg(feature = "exact")]
@@ -167,9 +176,11 @@ pub(crate) trait Parted {
 
     /// Returns whether a point with a position error of `doubt` is inside a solid mesh.
     ///
-    /// Returns false for compounds, whose pieces are measured as solids. Returns `None` if the
-    /// surface is no farther than `doubt`, or if every segment to the outside met an edge.
-    fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool>;
+    /// Returns false for compounds and clouds, whose members are measured as solids. Returns `None`
+    /// if the surface is no farther than `doubt`, or if every segment to the outside met an edge.
+    fn holds(&self, _point: &Vector3<f64>, _doubt: f64) -> Option<bool> {
+        Some(false)
+    }
 }
 
 impl Parted for Mesh {

@@ -485,10 +485,6 @@ impl Parted for Compound {
         self.fingerprint
     }
 
-    fn came_from(&self, _: Fingerprint) -> bool {
-        false
-    }
-
     fn stored_unit(&self) -> f64 {
         self.unit()
     }
@@ -540,14 +536,6 @@ impl Parted for Compound {
         }
     }
 
-    fn is_solid(&self) -> bool {
-        true
-    }
-
-    fn may_hold(&self) -> bool {
-        false
-    }
-
     fn probe_count(&self) -> usize {
         self.probes.len()
     }
@@ -555,10 +543,6 @@ impl Parted for Compound {
     fn probe(&self, k: usize) -> [Vector3<f64>; 4] {
         let [inner, other] = self.probes[k];
         [inner, other, inner, other]
-    }
-
-    fn further_probe(&self, _: usize) -> Option<Vector3<f64>> {
-        None
     }
 
     #[cfg(feature = "exact")]
@@ -574,10 +558,6 @@ impl Parted for Compound {
         } else {
             point.placed(&piece.pose)
         }
-    }
-
-    fn holds(&self, _: &Vector3<f64>, _: f64) -> Option<bool> {
-        Some(false)
     }
 }
 

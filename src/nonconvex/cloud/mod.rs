@@ -638,10 +638,6 @@ impl Parted for Cloud {
         self.fingerprint
     }
 
-    fn came_from(&self, _: Fingerprint) -> bool {
-        false
-    }
-
     fn stored_unit(&self) -> f64 {
         self.unit()
     }
@@ -699,14 +695,6 @@ impl Parted for Cloud {
         is_shared.then(|| self.pose_of(item))
     }
 
-    fn is_solid(&self) -> bool {
-        true
-    }
-
-    fn may_hold(&self) -> bool {
-        false
-    }
-
     fn probe_count(&self) -> usize {
         self.tree.range(0).len()
     }
@@ -717,18 +705,10 @@ impl Parted for Cloud {
         [inner, other, inner, other]
     }
 
-    fn further_probe(&self, _: usize) -> Option<Vector3<f64>> {
-        None
-    }
-
     #[cfg(feature = "exact")]
     fn exact_probe(&self, k: usize) -> ExactVector {
         let (_, pose) = self.posed(k as u32);
         ExactVector::new(&self.probes[1]).placed(&pose)
-    }
-
-    fn holds(&self, _: &Vector3<f64>, _: f64) -> Option<bool> {
-        Some(false)
     }
 }
 
