@@ -195,8 +195,15 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         n * (0.5 * reach * BEYOND + 4.0 * self.noise - length).at_least(0.0)
     }
 
-    /// Moves B by the deepest overlap found until the bodies are separated.
-    fn pushed(&mut self, first: inner::ProvenDepth) -> Option<Vector3<f64>> {
+    /// Moves B by one overlap after another until the bodies are separated.
+    ///
+    /// `next` returns the translation out of an overlap; `None` if edges cross, and no interior
+    /// point is found.
+    fn pushed(
+        &mut self,
+        first: inner::ProvenDepth,
+        next: impl Fn(&mut Self, &RelativePose) -> Option<Vector3<f64>>,
+    ) -> Option<Vector3<f64>> {
         let mut shift = first.way;
         for _ in 0..PUSHES {
             // Without this, a body that touches one side of a slot would be moved on into the other
@@ -206,11 +213,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
                 return Some(shift);
             }
             let pose = self.shifted(&shift)?;
-            match self.deepest(&pose) {
-                Some(more) => shift += more.way * BEYOND,
-                // Edges cross, and no interior point is found.
-                None => shift *= 1.25,
-            }
+            shift = next(self, &pose).map_or(shift * 1.25, |way| shift + way);
         }
         None
     }
@@ -225,21 +228,6 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         let reaches = [CELL_REACH * depth, f64::INFINITY];
         let parts = reaches.each(|reach| inner::of_parts(a, b, pose, &middle, reach));
         parts.into_iter().flatten().max_by(|x, y| x.depth.total_cmp(&y.depth))
-    }
-
-    /// Moves B by overlaps around edges until the bodies are separated.
-    fn pushed_by_edges(&mut self, first: inner::ProvenDepth) -> Option<Vector3<f64>> {
-        let mut shift = first.way;
-        for _ in 0..PUSHES {
-            shift = self.longer(&shift);
-            if self.parts(&shift) {
-                return Some(shift);
-            }
-            let pose = self.shifted(&shift)?;
-            let more = self.deepest(&pose).or_else(|| self.on_edges(&pose));
-            shift = more.map_or(shift * 1.25, |more| shift + more.way);
-        }
-        None
     }
 
     /// Returns a longer translation, by more than the rounding of the pose.
@@ -349,7 +337,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         let mut best = self.far();
         let starts = [
             self.bodies.by_hulls(pose, self.noise),
-            deepest.and_then(|d| self.pushed(d)),
+            deepest.and_then(|d| self.pushed(d, |s, pose| Some(s.deepest(pose)?.way * BEYOND))),
         ];
         for start in starts.into_iter().flatten() {
             self.improve(pose, &start, &mut lower, &mut best);
