@@ -166,44 +166,34 @@ impl PosedPatches<'_> {
 
     /// Returns whether a point is valid, or at the end of a face of a piece, on both bodies.
     fn is_at_end(&self, n: &Vector3<f64>, point: &ContactPoint) -> bool {
-        let PatchQuery {
-            a,
-            b,
-            pose,
-            options,
-            doubt,
-            ..
-        } = self.query;
+        let PatchQuery { a, b, pose, doubt, .. } = self.query;
         let down = -pose.rotation().tr_mul(n);
         let [p, q] = self.patches;
-        let of_a = || a.bears(p, &point.point_on_a, n, options.max_face_sine, *doubt) == Borne::Fully;
-        let of_b = || b.bears(q, &point.point_on_b, &down, options.max_face_sine, *doubt) == Borne::Fully;
         let ends_a = a.ends(p, &point.point_on_a, n, *doubt);
         let ends_b = b.ends(q, &point.point_on_b, &down, *doubt);
-        (ends_a || of_a()) && (ends_b || of_b())
+        (ends_a || self.borne_by_a(n, point) == Borne::Fully) && (ends_b || self.borne_by_b(n, point) == Borne::Fully)
+    }
+
+    fn borne_by_a(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
+        let query = self.query;
+        let sine = query.options.max_face_sine;
+        query.a.bears(self.patches[0], &point.point_on_a, n, sine, query.doubt)
+    }
+
+    fn borne_by_b(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
+        let query = self.query;
+        let (down, sine) = (-query.pose.rotation().tr_mul(n), query.options.max_face_sine);
+        query
+            .b
+            .bears(self.patches[1], &point.point_on_b, &down, sine, query.doubt)
     }
 
     fn how_borne(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
-        let PatchQuery {
-            a,
-            b,
-            pose,
-            options,
-            doubt,
-            ..
-        } = self.query;
-        let rotation = pose.rotation();
-        let of_a = a.bears(self.patches[0], &point.point_on_a, n, options.max_face_sine, *doubt);
+        let of_a = self.borne_by_a(n, point);
         if of_a == Borne::No {
             return Borne::No;
         }
-        let of_b = b.bears(
-            self.patches[1],
-            &point.point_on_b,
-            &-rotation.tr_mul(n),
-            options.max_face_sine,
-            *doubt,
-        );
+        let of_b = self.borne_by_b(n, point);
         if of_b == Borne::No || point.separation < 0.0 && self.is_through(point) {
             return Borne::No;
         }
