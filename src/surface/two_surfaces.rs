@@ -328,6 +328,8 @@ fn moved(point: &Point3<f64>, pose: &RelativePose, is_of_b: bool) -> Point3<f64>
     })
 }
 
+// As that of `SurfaceSolidPair`: each function is one call. A common implementation would need a
+// trait of these calls, and be longer.
 impl Separation for SurfacePair<'_> {
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
         if of == Operand::A { self.a } else { self.b }.bounding_ball()
