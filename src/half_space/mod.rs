@@ -212,10 +212,7 @@ impl<'a> Above<'a> {
             Self::Polyhedron(body) => body.bounding_ball(),
             Self::Shape(shape) => shape.bounding_ball(),
             #[cfg(feature = "meshes")]
-            Self::Parts(body) => {
-                let (low, high) = body.corners_of_box();
-                ball_about(low, high)
-            }
+            Self::Parts(body) => ball_about(body.corners_of_box()),
             #[cfg(feature = "surfaces")]
             Self::Surface(surface) => surface.bounding_ball(),
             Self::HalfSpace(space) => (space.foot(), 0.0),

@@ -109,7 +109,7 @@ impl MeshPair<'_> {
 }
 
 /// Returns the ball around a bounding box that is exact up to rounding.
-pub(crate) fn ball_about(low: Point3<f64>, high: Point3<f64>) -> (Point3<f64>, f64) {
+pub(crate) fn ball_about((low, high): (Point3<f64>, Point3<f64>)) -> (Point3<f64>, f64) {
     let half: Vector3<f64> = (high - low) * 0.5;
     let centre = low + half;
     let far = centre.coords.abs().sum() + half.sum();
@@ -147,8 +147,7 @@ fn ahead<S: Separation, A: Parted, B: Parted>(
 
 impl Separation for CompoundPair<'_> {
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
-        let (low, high) = if of == Operand::A { self.a } else { self.b }.corners_of_box();
-        ball_about(low, high)
+        ball_about(if of == Operand::A { self.a } else { self.b }.corners_of_box())
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
@@ -167,8 +166,7 @@ impl Separation for CompoundPair<'_> {
 
 impl Separation for MeshPair<'_> {
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
-        let (low, high) = if of == Operand::A { self.a } else { self.b }.aabb();
-        ball_about(low, high)
+        ball_about(if of == Operand::A { self.a } else { self.b }.aabb())
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
@@ -615,7 +613,7 @@ fn middle<A: Parted>(of: &A, item: u32) -> Vector3<f64> {
 fn ball_of_item<A: Parted>(of: &A, item: u32) -> (Point3<f64>, f64) {
     let (low, high) = box_of_item(of, item);
     let (unit, origin) = (of.stored_unit(), of.side().frame.origin);
-    ball_about((low * unit + origin).into(), (high * unit + origin).into())
+    ball_about(((low * unit + origin).into(), (high * unit + origin).into()))
 }
 
 /// Returns the greatest height of some items along a direction, in stored units.

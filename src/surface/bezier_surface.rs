@@ -174,8 +174,7 @@ impl BezierSurface {
     /// Returns the centre and radius of a ball that contains the surface.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
-        let (low, high) = self.aabb();
-        let (centre, radius) = ball_about(low, high);
+        let (centre, radius) = ball_about(self.aabb());
         (centre, radius + self.reach * SURFACE_POINT)
     }
 

@@ -417,8 +417,7 @@ impl BesideSurface for SurfaceCompoundTracker {
     type Body = Compound;
 
     fn ball(body: &Compound) -> (Point3<f64>, f64) {
-        let (low, high) = body.aabb();
-        ball_about(low, high)
+        ball_about(body.aabb())
     }
 
     fn allow(&mut self, splits: Option<usize>) {

@@ -426,7 +426,7 @@ impl Cloud {
     /// Returns a ball that contains all elements, in the frame of the cloud: centre and radius.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
-        ball_about(self.aabb().0, self.aabb().1)
+        ball_about(self.aabb())
     }
 
     /// Returns the bytes on the heap, the tree included.

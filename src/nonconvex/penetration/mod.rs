@@ -347,7 +347,8 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
             && let Some(first) = self.on_edges(pose)
         {
             lower = lower.larger(first.depth - self.noise);
-            if let Some(start) = self.pushed_by_edges(first) {
+            let out = |s: &mut Self, pose: &RelativePose| s.deepest(pose).or_else(|| s.on_edges(pose));
+            if let Some(start) = self.pushed(first, |s, pose| Some(out(s, pose)?.way)) {
                 self.improve(pose, &start, &mut lower, &mut best);
             }
         }
@@ -472,7 +473,7 @@ impl CompoundTracker {
             return self.penetration(&a.parts(), &b.parts(), &pose, narrowing);
         }
         let whole = whole(a, b, a_from_b)?;
-        let (at, balls) = (relative(a_from_b), whole.0.each(|(low, high)| ball_about(low, high)));
+        let (at, balls) = (relative(a_from_b), whole.0.each(ball_about));
         let of_a = near_elements(a.by_kind(), (at * balls[1].0, balls[1].1));
         let of_b = near_elements(b.by_kind(), (at.inverse_transform_point(&balls[0].0), balls[0].1));
         let near_a = of_a.as_ref().map_or(a.by_kind(), PartsRef::Pieces);

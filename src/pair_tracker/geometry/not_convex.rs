@@ -25,13 +25,11 @@ impl OfKind for Compound {
     }
 
     fn bounding_ball(&self) -> (Point3<f64>, f64) {
-        let (low, high) = self.aabb();
-        ball_about(low, high)
+        ball_about(self.aabb())
     }
 
     fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
-        let (low, high) = self.aabb();
-        turned_box(low, high, pose)
+        turned_box(self.aabb(), pose)
     }
 }
 
@@ -45,13 +43,11 @@ impl OfKind for Mesh {
     }
 
     fn bounding_ball(&self) -> (Point3<f64>, f64) {
-        let (low, high) = self.aabb();
-        ball_about(low, high)
+        ball_about(self.aabb())
     }
 
     fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
-        let (low, high) = self.aabb();
-        turned_box(low, high, pose)
+        turned_box(self.aabb(), pose)
     }
 }
 
@@ -69,8 +65,7 @@ impl OfKind for Cloud {
     }
 
     fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
-        let (low, high) = self.aabb();
-        turned_box(low, high, pose)
+        turned_box(self.aabb(), pose)
     }
 }
 
@@ -89,13 +84,12 @@ impl OfKind for BezierSurface {
     }
 
     fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
-        let (low, high) = self.outer_box();
-        turned_box(low, high, pose)
+        turned_box(self.outer_box(), pose)
     }
 }
 
 /// Returns the axis-aligned box that contains a box at a pose.
-fn turned_box(low: Point3<f64>, high: Point3<f64>, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
+fn turned_box((low, high): (Point3<f64>, Point3<f64>), pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
     let q = pose.rotation.coords;
     let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());
     let half = (high - low) * 0.5;
