@@ -197,16 +197,10 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns what [`nearest`](Self::nearest) returns, at a configuration that may exceed its
     /// bounds by rounding.
     fn nearest_within_rounding(&mut self, configuration: &[f64], slack: f64) -> Result<Vec<NearPair>, PlanError> {
-        let mut poses = core::mem::take(&mut self.poses);
-        self.space.place(configuration, &mut poses);
-        self.pairs.places.carry(&mut poses);
-        let found = self.measured(configuration, &poses, slack);
-        self.poses = poses;
-        found
+        self.with_poses(configuration, |own, poses| own.measured(configuration, poses, slack))
     }
 
     fn measured(&mut self, q: &[f64], poses: &[Isometry3<f64>], slack: f64) -> Result<Vec<NearPair>, PlanError> {
-        self.work.configurations += 1;
         self.place_balls(poses);
         let mut found: Vec<MeasuredPair> = Vec::new();
         let mut least = f64::INFINITY;

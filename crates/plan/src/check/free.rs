@@ -23,13 +23,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub fn is_free_at(&mut self, configuration: &[f64]) -> Result<bool, PlanError> {
         self.space.check(configuration)?;
         self.check_time()?;
-        self.work.configurations += 1;
-        let mut poses = core::mem::take(&mut self.poses);
-        self.space.place(configuration, &mut poses);
-        self.pairs.places.carry(&mut poses);
-        let hit = self.first_hit(configuration, &poses);
-        self.poses = poses;
-        let hit = hit?;
+        let hit = self.with_poses(configuration, |own, poses| own.first_hit(configuration, poses))?;
         if let Some(index) = hit {
             self.remember_hit(index);
         }
@@ -113,11 +107,20 @@ impl<C: ConfigurationSpace> Checker<C> {
     pub fn in_contact(&mut self, configuration: &[f64]) -> Result<Vec<CellPair>, PlanError> {
         self.space.check(configuration)?;
         self.check_time()?;
+        self.with_poses(configuration, Self::touching)
+    }
+
+    /// Returns what `ask` returns about the poses of the bodies at a configuration.
+    pub(super) fn with_poses<R>(
+        &mut self,
+        configuration: &[f64],
+        ask: impl FnOnce(&mut Self, &[Isometry3<f64>]) -> R,
+    ) -> R {
         self.work.configurations += 1;
         let mut poses = core::mem::take(&mut self.poses);
         self.space.place(configuration, &mut poses);
         self.pairs.places.carry(&mut poses);
-        let found = self.touching(&poses);
+        let found = ask(self, &poses);
         self.poses = poses;
         found
     }

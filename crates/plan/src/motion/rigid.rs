@@ -10,7 +10,9 @@ use crate::error::PlanError;
 use crate::motion::curve::JointCurve;
 use crate::motion::joint::JointKind;
 use crate::motion::joint::{Drive, TreeJoint};
-use crate::motion::space::{BodyBall, ConfigurationSpace, JointPath, SegmentMotion, check, check_bounds, within};
+use crate::motion::space::{
+    BodyBall, ConfigurationSpace, JointPath, SegmentMotion, check, check_bounds, overwrite, within,
+};
 use crate::motion::tree_motion::{LinkTree, TreeBodies, TreeSegment};
 use lin_canny::motion::{Motion, MotionModel, Steady, Velocity};
 use lin_canny::{EXTENT_MAX, POSE_UNIT};
@@ -231,10 +233,7 @@ impl ConfigurationSpace for PlanarSpace {
     }
 
     fn set_middles(&mut self, middles: &[Point3<f64>]) {
-        self.middles
-            .iter_mut()
-            .zip(middles)
-            .for_each(|(own, given)| *own = *given);
+        overwrite(&mut self.middles, middles);
     }
 
     fn curve(&self, curve: &JointCurve) -> Result<RigidSegment, PlanError> {
@@ -354,10 +353,7 @@ impl ConfigurationSpace for TranslationSpace {
         poses.resize(self.middles.len(), self.pose(q));
     }
     fn set_middles(&mut self, middles: &[Point3<f64>]) {
-        self.middles
-            .iter_mut()
-            .zip(middles)
-            .for_each(|(own, given)| *own = *given);
+        overwrite(&mut self.middles, middles);
     }
     fn curve(&self, curve: &JointCurve) -> Result<RigidSegment, PlanError> {
         curve.check(&self.bounds)?;

@@ -305,6 +305,11 @@ pub(crate) fn check_bounds(what: &'static str, bounds: &[[f64; 2]]) -> Result<()
     Ok(())
 }
 
+/// Writes the given points over the first of a space's own.
+pub(crate) fn overwrite(own: &mut [Point3<f64>], given: &[Point3<f64>]) {
+    own.iter_mut().zip(given).for_each(|(own, given)| *own = *given);
+}
+
 /// Returns a sweep coordinate after a step, within its bounds.
 pub(crate) fn within(value: f64, [low, high]: [f64; 2]) -> f64 {
     value.larger(low).smaller(high)

@@ -9,7 +9,7 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::motion::curve::JointCurve;
 use crate::motion::joint::{Drive, Joint, JointKind, TreeJoint};
-use crate::motion::space::{ConfigurationSpace, JointPath, check, check_bounds, within};
+use crate::motion::space::{ConfigurationSpace, JointPath, check, check_bounds, overwrite, within};
 use crate::motion::tree_motion::{LinkTree, TreeBodies, TreeSegment};
 use lin_canny::EXTENT_MAX;
 use lin_canny::RelativePose;
@@ -213,10 +213,7 @@ impl ConfigurationSpace for JointTree {
     }
 
     fn set_middles(&mut self, middles: &[Point3<f64>]) {
-        let bodies = Arc::make_mut(&mut self.bodies);
-        for (middle, given) in bodies.middles.iter_mut().zip(middles) {
-            *middle = *given;
-        }
+        overwrite(&mut Arc::make_mut(&mut self.bodies).middles, middles);
     }
 
     fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
