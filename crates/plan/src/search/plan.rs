@@ -87,6 +87,8 @@ impl<'a> RrtConnect<'a> {
     }
 }
 
+// Each planner has a type, and both have the same setters, because a caller reads the promise of a
+// planner where it is made. The planners share `Checker::search`.
 /// The opportunistic planner: freeways of largest clearance in slices (Canny and Lin 1993).
 pub struct Opportunistic<'a> {
     options: PlanOptions,
