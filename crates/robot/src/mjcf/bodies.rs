@@ -16,7 +16,7 @@ use crate::turn::{about, direction};
 use crate::xml::{check_excluded, check_name};
 use lin_canny_plan::{MotionKind, RobotLink};
 
-/// Attributes of a frame; a body has more of them.
+/// Attributes of a frame.
 const FRAME: [&str; 8] = [
     "name",
     "childclass",
@@ -27,22 +27,8 @@ const FRAME: [&str; 8] = [
     "zaxis",
     "euler",
 ];
-const BODY: [&str; 14] = [
-    "name",
-    "childclass",
-    "pos",
-    "quat",
-    "axisangle",
-    "xyaxes",
-    "zaxis",
-    "euler",
-    "mocap",
-    "gravcomp",
-    "sleep",
-    "simple",
-    "fuse",
-    "user",
-];
+/// Attributes that a body has besides those of a frame.
+const BODY: [&str; 6] = ["mocap", "gravcomp", "sleep", "simple", "fuse", "user"];
 
 /// Elements below a body that hold neither geometry for collisions nor kinematics.
 const PASSED: [&str; 4] = ["inertial", "site", "camera", "light"];
@@ -391,7 +377,7 @@ impl<'e> Model<'e> {
     }
 
     fn body(&mut self, element: &'e Element, scope: Scope) -> Result<(), FileError> {
-        element.check_attributes(&BODY)?;
+        element.check_attributes(&[FRAME.as_slice(), &BODY].concat())?;
         self.body_count += 1;
         let name = match element.get("name") {
             Some(name) => scope.name(name),
