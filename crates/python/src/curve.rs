@@ -3,10 +3,10 @@
 use lin_canny_robot::plan::{JointCurve as Curve, PlanError};
 use numpy::{PyArray1, PyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 
 use crate::array::{Argument, contiguous, is_number, numbers, of_table, shape_text, table};
 use crate::errors::{plan_error, refused};
+use crate::pickle::{Pickled, pickled};
 
 const CONTROL_POINTS: Argument = Argument {
     name: "control points",
@@ -259,10 +259,8 @@ impl JointCurve {
         )
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        let bytes = postcard::to_stdvec(&self.0).map_err(refused)?;
-        let make = py.get_type::<Self>().getattr("_from_bytes")?;
-        Ok((make, (PyBytes::new(py, &bytes),)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
+        pickled::<Self>(py, postcard::to_stdvec(&self.0))
     }
 
     #[staticmethod]

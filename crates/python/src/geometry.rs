@@ -12,11 +12,11 @@ use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{Compound, Geometry as Body, GeometryKind, Mesh, Piece};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 
 use self::build::VERTICES;
 use crate::array::{points, triple};
-use crate::errors::{geometry_error, refused};
+use crate::errors::geometry_error;
+use crate::pickle::{Pickled, pickled};
 use crate::pose::Pose;
 
 /// A geometry in its own frame: immutable, shared by any number of trackers, scenes and threads.
@@ -199,10 +199,8 @@ impl Geometry {
         }
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        let bytes = postcard::to_stdvec(&self.0).map_err(refused)?;
-        let make = py.get_type::<Self>().getattr("_from_bytes")?;
-        Ok((make, (PyBytes::new(py, &bytes),)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
+        pickled::<Self>(py, postcard::to_stdvec(&self.0))
     }
 
     #[staticmethod]

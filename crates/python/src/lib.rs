@@ -9,6 +9,7 @@ mod curve;
 mod errors;
 mod geometry;
 mod mesh_file;
+mod pickle;
 mod point_file;
 mod points;
 mod pose;

@@ -10,11 +10,11 @@ use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{Body, BodyId, Group, Scene as Loaded};
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 
 use crate::array::{Argument, vector};
-use crate::errors::{pose_error, refused, scene_error};
+use crate::errors::{pose_error, scene_error};
 use crate::geometry::Geometry;
+use crate::pickle::{Pickled, pickled};
 use crate::pose::{Pose, Poses, matrix_of_pose};
 
 const VELOCITY: Argument = Argument {
@@ -156,10 +156,8 @@ impl Scene {
         format!("<Scene: {} bodies, {} pairs>", self.0.body_count(), self.0.pair_count())
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        let bytes = postcard::to_stdvec(&self.0).map_err(refused)?;
-        let make = py.get_type::<Self>().getattr("_from_bytes")?;
-        Ok((make, (PyBytes::new(py, &bytes),)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
+        pickled::<Self>(py, postcard::to_stdvec(&self.0))
     }
 
     #[staticmethod]

@@ -95,11 +95,7 @@ impl PairTracker {
         pose_a: Option<Pose>,
         pose_b: Option<Pose>,
     ) -> PyResult<bool> {
-        let pose = relative(pose_a, pose_b)?;
-        decided(
-            self.tracker
-                .decide_within(&a.get().0, &b.get().0, &pose, 0.0, &QueryOptions::default()),
-        )
+        self.within(a, b, 0.0, pose_a, pose_b)
     }
 
     /// Returns whether the geometries are at most `d` apart, `d` a length; no for a negative `d`.

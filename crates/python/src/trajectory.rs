@@ -6,12 +6,13 @@ use lin_canny_robot::plan::{JointCurve as Curve, nearest_name};
 use lin_canny_robot::{Coordinate, Trajectory as Loaded};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::PyDict;
 
 use crate::array::{Argument, numbers, of_table, table};
 use crate::checker::Checker;
 use crate::curve::JointCurve;
 use crate::errors::{file_error, plan_error, refused};
+use crate::pickle::{Pickled, pickled};
 use crate::robot::Robot;
 
 const TIMES: Argument = Argument {
@@ -454,7 +455,7 @@ impl Trajectory {
         format!("<Trajectory: {count} points, times {first} to {last}>")
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
         let Loaded {
             rows,
             velocities,
@@ -464,9 +465,7 @@ impl Trajectory {
         } = &self.points;
         let parts = (&self.names, &self.times, rows, velocities, accelerations, tube);
         let parts = (parts, &self.stops);
-        let bytes = postcard::to_stdvec(&parts).map_err(refused)?;
-        let make = py.get_type::<Self>().getattr("_from_bytes")?;
-        Ok((make, (PyBytes::new(py, &bytes),)))
+        pickled::<Self>(py, postcard::to_stdvec(&parts))
     }
 
     #[staticmethod]

@@ -5,11 +5,11 @@ use lin_canny::{Cloud as Body, CloudElement, CloudError, Geometry as AnyBody};
 use lin_canny_formats::Points;
 use numpy::{PyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 
 use super::Geometry;
 use crate::array::{Argument, contiguous, numbers, of_triples, refuse_mask, rows, shape_text, vector};
-use crate::errors::{geometry_error, refused};
+use crate::errors::geometry_error;
+use crate::pickle::{Pickled, pickled};
 
 const POINTS: Argument = Argument {
     name: "points",
@@ -247,10 +247,8 @@ impl Cloud {
         Ok(body(slf)?.len())
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        let bytes = postcard::to_stdvec(body(slf)?).map_err(refused)?;
-        let make = slf.py().get_type::<Self>().getattr("_from_bytes")?;
-        Ok((make, (PyBytes::new(slf.py(), &bytes),)))
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
+        pickled::<Self>(slf.py(), postcard::to_stdvec(body(slf)?))
     }
 
     #[staticmethod]

@@ -4,12 +4,12 @@ use lin_canny::nalgebra::Point3;
 use lin_canny::{PointOutcome, PointQuery, PointTracker as Tracker};
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 
 use super::POINT;
 use crate::array::{triple, vector};
 use crate::errors::refused;
 use crate::geometry::Geometry;
+use crate::pickle::{Pickled, pickled};
 
 /// The closest point of a geometry to a point, with proven bounds of the signed distance.
 ///
@@ -78,10 +78,8 @@ impl ClosestPoint {
         )
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        let bytes = postcard::to_stdvec(&self.0).map_err(refused)?;
-        let make = py.get_type::<Self>().getattr("_from_bytes")?;
-        Ok((make, (PyBytes::new(py, &bytes),)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
+        pickled::<Self>(py, postcard::to_stdvec(&self.0))
     }
 
     #[staticmethod]

@@ -3,10 +3,10 @@
 use lin_canny::{PairOutcome, RelativePose};
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 
 use crate::array::triple;
 use crate::errors::refused;
+use crate::pickle::{Pickled, pickled};
 
 /// Returns the gradients of the distance by motions of A and of B: six numbers each, linear and
 /// angular, along the axes of the world, about the origins of the bodies; zero if the depth of an
@@ -137,10 +137,8 @@ impl Closest {
         )
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
-        let bytes = postcard::to_stdvec(&(&self.answer, &self.pose)).map_err(refused)?;
-        let make = py.get_type::<Self>().getattr("_from_bytes")?;
-        Ok((make, (PyBytes::new(py, &bytes),)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Pickled<'py>> {
+        pickled::<Self>(py, postcard::to_stdvec(&(&self.answer, &self.pose)))
     }
 
     #[staticmethod]
