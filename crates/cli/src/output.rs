@@ -50,6 +50,15 @@ fn plain(text: Arguments<'_>) -> String {
     text.to_string().replace(is_bad, "_")
 }
 
+/// Returns a progress bar on stderr, visible on a terminal only.
+pub fn progress(what: &'static str, length: u64) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
+    match ProgressStyle::with_template("{prefix} {wide_bar} {pos}/{len} {eta}") {
+        Ok(style) => bar.with_style(style).with_prefix(what),
+        Err(_) => bar,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     #[test]
@@ -59,14 +68,5 @@ mod tests {
             super::plain(format_args!("{name}\tx\n")),
             "post_free: 1 pair___[2J\tx\n"
         );
-    }
-}
-
-/// Returns a progress bar on stderr, visible on a terminal only.
-pub fn progress(what: &'static str, length: u64) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
-    match ProgressStyle::with_template("{prefix} {wide_bar} {pos}/{len} {eta}") {
-        Ok(style) => bar.with_style(style).with_prefix(what),
-        Err(_) => bar,
     }
 }
