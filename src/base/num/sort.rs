@@ -1,7 +1,7 @@
 //! A stable sort whose code is compiled once.
 //!
-//! A sort of the standard library is 2,300 lines of LLVM for each type and each order. They were 8 %
-//! of what this crate gives to the compiler. Here few items are sorted by insertion, and of more
+//! A sort of the standard library is 2,300 lines of LLVM for each type and order. They were 8 % of
+//! what this crate gives to the compiler. Here few items are sorted by insertion, and of more
 //! items their numbers are sorted, by one function for all types. It is for lists that are short,
 //! or are sorted once: the order of many items is called through a pointer, and their numbers take
 //! memory.
