@@ -9,8 +9,8 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 use super::{PointError, PointQuery, PointRoom, check};
-#[cfg(feature = "meshes")]
 use crate::base::num::sort::arrange;
+#[cfg(feature = "meshes")]
 use crate::nonconvex::{mesh::Mesh, tree::morton};
 use crate::pair::outcome::Distance;
 use crate::pair::point::PointOutcome;
