@@ -34,7 +34,6 @@ use crate::base::num::Ranked;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root, sub};
-use crate::base::num::sort::sort;
 use crate::base::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, SQUARE_MIN, UNIT};
 use crate::body::polyhedron::VertexId;
 use crate::convex::depth::memory::MAX_TRIANGLES;
@@ -497,7 +496,7 @@ impl<T: Scalar> EnclosingSurface<T> {
         }
         self.starts.clear();
         self.starts.extend(edges.iter().map(|e| e.from));
-        sort(&mut self.starts, Ord::cmp);
+        self.starts.sort_unstable();
         let simple = self.starts.windows(2).all(|s| s[0] != s[1]);
         let closed = edges.last().is_some_and(|e| e.to == edges[0].from);
         simple && closed && edges.len() > 2
