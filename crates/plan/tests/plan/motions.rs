@@ -140,7 +140,15 @@ fn a_tube_around_a_path_holds_for_each_piece() {
             "{motion:?}"
         );
         assert_eq!(checker.is_free(&motion).expect("within limits"), is_free);
-        assert_eq!(Receipt::motion(&mut checker, &motion).unwrap_err(), ReceiptError::Tube);
+        // A tube of points is a distance that pairs keep; blocked motions of several pieces have no receipt.
+        let error = Receipt::motion(&mut checker, &motion).err();
+        if motion == around(0.19) {
+            assert_eq!(error, None);
+        } else if motion == tube(0.19) {
+            assert_eq!(error, Some(ReceiptError::Tube));
+        } else {
+            assert_eq!(error, Some(ReceiptError::Blocked { piece: 1 }));
+        }
     }
     let found = checker
         .tube_contact(&tube(0.21), 1, 0.0)
