@@ -9,8 +9,7 @@ use super::simd_box::Bounds;
 use crate::base::num::each::Each;
 use wide::f32x4;
 
-/// A move across columns that is longer than this fraction of the column width is a jump. Not
-/// measured.
+/// A move across columns that is longer than this fraction of the column width is a jump.
 const LEAP: f32 = 0.25;
 
 /// Largest number of columns along one axis; column coordinates are 16 bits wide.

@@ -70,7 +70,9 @@ impl Default for BodyOptions {
 }
 
 impl BodyOptions {
-    /// Returns the body fixed or not. Fixed bodies pair with bodies that move.
+    /// Returns the body as one that is fixed, or as one that moves.
+    ///
+    /// Two fixed bodies are paired only by [`Groups::fixed_with`].
     #[must_use]
     pub fn fixed(self, fixed: bool) -> Self {
         Self { fixed, ..self }

@@ -643,8 +643,7 @@ impl<'de> serde::Deserialize<'de> for Compound {
     }
 }
 
-/// Number of cached pair trackers per entry of the front; if there are more, they are dropped. Not
-/// measured.
+/// Number of cached pair trackers per entry of the front; if there are more, they are dropped.
 const TRACKERS: usize = 4;
 
 /// State of a pair: the front of the last answer, and a tracker for each pair of members that came

@@ -26,8 +26,7 @@ use crate::nonconvex::query::inside::ExactSigns;
 use crate::nonconvex::query::near::{NearRoom, NearTriangle};
 use crate::nonconvex::query::triangle::{self, Triangle};
 
-/// Number of triangles that may vote; a point with more is decided by its winding number. Not
-/// measured.
+/// Number of triangles that may vote; a point with more is decided by its winding number.
 const VOTERS: usize = 64;
 
 /// Distances of the point that reveals the winding number of a sheet from its largest triangle, in

@@ -31,12 +31,10 @@ use crate::time::separation::{Measurement, Separation};
 
 /// Width of the bracket of a ray cast, as a multiple of the pair size.
 ///
-/// It exceeds the rounding of a position, so that a short segment of the ray proves a crossing. Not
-/// measured.
+/// It exceeds the rounding of a position, so that a short segment of the ray proves a crossing.
 const RAY_WIDTH: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// Segments of a ray that are tried for a crossing, each twice as long as the one before. Not
-/// measured.
+/// Segments of a ray that are tried for a crossing, each twice as long as the one before.
 const RAY_CROSSINGS: u32 = 8;
 
 /// A ray: the points `origin + s direction` for `s` from zero on.

@@ -17,8 +17,7 @@ use crate::broad::{self, Aabb};
 /// Number of bodies of one task.
 const RUN: usize = 1024;
 
-/// Number of pairs of one task: fewer than bodies, because a query takes longer than a box. Not
-/// measured.
+/// Number of pairs of one task: fewer than bodies, because a query takes longer than a box.
 const PAIRS: usize = 128;
 
 /// Computes the boxes of all due bodies, which are in ascending order.

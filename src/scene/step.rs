@@ -13,7 +13,6 @@ use super::queries::{Detail, GROUPS, Group, Table, group_pair_of};
 use super::report::{Clock, Report};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
-use crate::base::num::sort::{sort, sort_by_key};
 use crate::base::tolerance::ROUND_UP;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, PairId};
@@ -182,7 +181,7 @@ impl Scene {
                 end(&pair_state, members, pair.id, &mut changes);
             }
         }
-        sort_by_key(&mut removed, |(members, ..)| *members);
+        removed.sort_unstable_by_key(|(members, ..)| *members);
         for pair in events.began {
             let members = bodies_of(bodies, pair);
             let found = removed.binary_search_by_key(&members, |(members, ..)| *members);
@@ -251,7 +250,7 @@ impl Scene {
 
     /// Sorts changes and impacts, and writes them with ids.
     fn write_events(&mut self, mut tally: Tally) {
-        sort_by_key(&mut tally.changes, |h| (h.pair, h.change));
+        tally.changes.sort_unstable_by_key(|h| (h.pair, h.change));
         let bodies = &self.bodies;
         self.events.extend(tally.changes.iter().map(|h| Event {
             a: bodies.id(h.pair[0]),
@@ -264,7 +263,7 @@ impl Scene {
             let order = x.safe().total_cmp(&y.safe()).then((x.a, x.b).cmp(&(y.a, y.b)));
             order.then(x.distance.total_cmp(&y.distance))
         };
-        sort(&mut self.impacts, order);
+        self.impacts.sort_unstable_by(order);
         self.report.counts.events = self.events.len() as u64;
         self.report.counts.impacts = self.impacts.len() as u64;
     }

@@ -30,8 +30,7 @@ use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BENT, ROUND_UP, SLOPE};
 
 /// Margin between a separating quadric and the curvature of a surface, as a fraction of the
-/// curvature. It applies in directions in which the other surface falls away from its border. Not
-/// measured.
+/// curvature. It applies in directions in which the other surface falls away from its border.
 const MARGIN: f64 = 1.0 / 4.0;
 
 /// Sine of the angle between two borders below which they count as parallel.

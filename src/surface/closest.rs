@@ -27,8 +27,7 @@ use crate::base::tolerance::{AGREE, PARALLEL, PATCH_SLOPE, UNIT};
 use crate::body::polyhedron::{FaceId, Feature};
 use crate::pair::location::WitnessLocation;
 
-/// Largest number of Newton steps for two points. Convergence is quadratic at the end. Not
-/// measured.
+/// Largest number of Newton steps for two points. Convergence is quadratic at the end.
 pub(super) const NEWTON: usize = 24;
 
 /// Two close points, one on each body.

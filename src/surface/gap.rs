@@ -12,8 +12,7 @@ use crate::base::tolerance::{BENT_POSE, CERTIFICATE, FAR, NEAR, PATCH_LIMIT, UNI
 use crate::convex::minimum::simplex::{Indexed, Simplex};
 use crate::pair::transform::ErrorScale;
 
-/// Largest number of steps of the minimum-norm solver on two nets before the pair is split. Not
-/// measured.
+/// Largest number of steps of the minimum-norm solver on two nets before the pair is split.
 const STEPS: usize = 4;
 
 /// A node of A and a node of B.

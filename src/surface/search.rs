@@ -44,8 +44,7 @@ const FIRST_LOOK: usize = 1_024;
 /// 20 times the default budget for an interval of 1e-9.
 const LENIENT: usize = 4;
 
-/// A region is tried if a pair of nodes is at most this many times as large as the region. Not
-/// measured.
+/// A region is tried if a pair of nodes is at most this many times as large as the region.
 const SMALL: f64 = 4.0;
 
 /// Extent of the first region, as a fraction of the radius of the smaller surface.

@@ -37,8 +37,7 @@ use crate::time::separation::{FreeSpan, Measurement, PairMotion, Proof, Separati
 /// advancement is shorter by this fraction.
 pub(super) const MEASURED: f64 = 1.0 / 4.0;
 
-/// Default width of the bounds, as a fraction of the sum of the radii of both bounding balls. Not
-/// measured.
+/// Default width of the bounds, as a fraction of the sum of the radii of both bounding balls.
 const DEFAULT_WIDTH: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// Least default width, as a fraction of the largest offset of the origins. The rounding of the

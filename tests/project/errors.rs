@@ -15,7 +15,7 @@ const VAGUE: [&str; 7] = [
     "reaches",
 ];
 
-fn sources(folder: &Path, into: &mut Vec<PathBuf>) {
+pub(crate) fn sources(folder: &Path, into: &mut Vec<PathBuf>) {
     for entry in read_dir(folder).expect("a folder").map(|e| e.expect("an entry").path()) {
         if entry.is_dir() && !entry.ends_with("target") {
             sources(&entry, into);

@@ -5,6 +5,7 @@ mod figures;
 mod layering;
 mod links;
 mod locks;
+mod options;
 mod pages;
 mod readme;
 mod unsafe_code;

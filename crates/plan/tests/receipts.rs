@@ -10,8 +10,9 @@ use lin_canny::{
 };
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
-    Cell, CellBody, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, PlanarSpace,
-    RangeOptions, RangeProver, RigidSpace, TranslationSpace, TreeJoint, Verdict,
+    Cell, CellBody, CertifyOptions, Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointMotion,
+    JointTree, PlanError, PlanarSpace, RangeOptions, RangeProver, RigidSpace, TimedPoses, TranslationSpace, TreeJoint,
+    Verdict,
 };
 use truth::arm::{self, motion};
 use truth::casts::{SHAPES, aimed, body, rotation};
@@ -564,6 +565,84 @@ fn casts_have_receipts() {
         counts[if meets { usize::from(!text.contains("apart")) } else { 2 }] += 1;
     }
     assert!(counts[0] > 20 && counts[2] > 20, "{counts:?}");
+}
+
+/// A wall without end turns about its foot while a ball flies by or into it.
+#[test]
+fn casts_at_a_half_space_that_turns_have_receipts() {
+    let mut rng = Rng::new(17);
+    let mut counts = [0; 2];
+    for _ in 0..60 {
+        let wall = Geometry::from(HalfSpace::new(Vector3::from(rng.unit()), rng.range(-0.5, 0.5)).expect("a plane"));
+        let die = Geometry::from(solids::cuboid(Vector3::repeat(rng.range(0.1, 0.4))).expect("a box"));
+        let any = |rng: &mut Rng, far: f64| {
+            let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * rng.range(0.0, 3.0));
+            let at = Isometry3::from_parts((Vector3::from(rng.unit()) * far).into(), turn);
+            let velocity = Velocity::new(Vector3::from(rng.in_ball()), Vector3::from(rng.in_ball()));
+            Steady::new(&at, velocity).expect("a motion")
+        };
+        let [a, b] = [any(&mut rng, 0.5), any(&mut rng, 3.0)];
+        let (named, motions) = match rng.below(2) {
+            0 => ([("wall", &wall), ("die", &die)], [&a, &b]),
+            _ => ([("die", &die), ("wall", &wall)], [&b, &a]),
+        };
+        let receipt = Receipt::cast(named, motions, 0.0..1.0, Tolerance::Distance(1e-6), 0.0).expect("a receipt");
+        let [text, _] = holds(&receipt);
+        counts[usize::from(text.contains("{\"near\":["))] += 1;
+    }
+    assert!(counts[0] > 10 && counts[1] > 10, "{counts:?}");
+}
+
+/// A body without joints among obstacles that move: one leg between two poses of every obstacle. Times at some pieces
+/// of a spline are none.
+#[test]
+fn moving_obstacles_need_a_clock_and_one_leg_for_a_body_without_joints() {
+    let at = |y: f64| Isometry3::translation(2.0, y, 0.0);
+    let mut cell = Cell::new();
+    cell.robot_body("drone", Shape::ball(0.2).expect("a ball"));
+    let crossing = TimedPoses::new(&[0.0, 4.0, 6.0], &[at(-4.0), at(4.0), at(9.0)]).expect("timed poses");
+    cell.add_moving_obstacle("train", Shape::ball(0.5).expect("a ball"), crossing)
+        .expect("an obstacle");
+    let space = TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
+    let mut checker = Checker::new(space, cell).expect("a world");
+    let flight = |times: [f64; 2]| {
+        let segment = JointMotion::segment(&[0.0; 3], &[4.0, 0.0, 0.0]);
+        segment.with_times(&times).expect("times")
+    };
+    holds(&Receipt::motion(&mut checker, &flight([0.0, 2.0])).expect("it is past before the train arrives"));
+    // The train is met.
+    let [text, _] = holds(&Receipt::motion(&mut checker, &flight([1.0, 3.0])).expect("a contact"));
+    assert!(text.contains("{\"near\":["), "{text}");
+    // Its pose at 4 s lies between: two legs would state the drone's own motion twice.
+    let error = Receipt::motion(&mut checker, &flight([3.5, 4.5])).unwrap_err();
+    assert!(matches!(error, ReceiptError::Motion { .. }), "{error}");
+    assert!(Receipt::scene(&checker, &JointMotion::segment(&[0.0; 3], &[1.0; 3])).is_err());
+    assert!(Receipt::scene(&checker, &flight([5.0, 7.0])).is_err());
+
+    let slide = Joint::prismatic(Isometry3::identity(), Vector3::z_axis(), [-9.0, 9.0]);
+    let tree = JointTree::serial(Isometry3::identity(), vec![slide], vec![1], 1.0).expect("a tree");
+    let mut checker = Checker::new(tree, checker.cell().clone()).expect("a world");
+    let ends = [[0.0, 1.0], [1.0, 0.0], [0.0, 1.0]];
+    let curves: Vec<JointCurve> = ends
+        .iter()
+        .enumerate()
+        .map(|(k, [from, to])| {
+            let curve = JointCurve::bezier(&[[*from], [*to]]).expect("a curve");
+            match k {
+                1 => curve,
+                _ => curve.with_times([k as f64, k as f64 + 1.0]).expect("times"),
+            }
+        })
+        .collect();
+    let partly = JointMotion::spline(&curves).expect("a spline");
+    let whole = partly.clone().with_times(&[0.0, 0.5, 1.0, 1.5]).expect("times");
+    let found = checker
+        .certify_with(&whole, CertifyOptions::default())
+        .expect("a motion");
+    assert!(found.verdict.is_free());
+    holds(&Receipt::certified(&checker, &whole, &found).expect("a receipt"));
+    let error = Receipt::certified(&checker, &partly, &found).unwrap_err();
+    assert!(matches!(error, ReceiptError::Plan(PlanError::NoTime(_))), "{error}");
 }
 
 #[test]

@@ -85,17 +85,20 @@ impl Floor {
 
     /// Encloses the normal in the world over an interval.
     pub(crate) fn direction<I: Int>(&self, scene: &Scene, stage: &Stage<I>, span: &Span) -> Option<Vector<I>> {
-        let n = fixed3(&self.normal)?;
-        match self.foot(scene, stage, span) {
-            Some(foot) => minus(&stage.point(scene, self.moving?, &n, span)?, &foot?),
-            None => Some(n),
-        }
+        let tip = self.moved(scene, stage, fixed3(&self.normal)?, span)?;
+        minus(&tip, &self.foot(scene, stage, span)?)
     }
 
-    /// Encloses the origin of a half-space that moves, from which its height counts.
-    pub(crate) fn foot<I: Int>(&self, scene: &Scene, stage: &Stage<I>, span: &Span) -> Option<Option<Vector<I>>> {
-        let zero = fixed3(&crate::real::zero());
-        self.moving.map(|body| stage.point(scene, body, &zero?, span))
+    /// Encloses the point from which the height counts: the origin of the half-space, or of the world if it rests.
+    pub(crate) fn foot<I: Int>(&self, scene: &Scene, stage: &Stage<I>, span: &Span) -> Option<Vector<I>> {
+        self.moved(scene, stage, fixed3(&crate::real::zero())?, span)
+    }
+
+    fn moved<I: Int>(&self, scene: &Scene, stage: &Stage<I>, point: Vector<I>, span: &Span) -> Option<Vector<I>> {
+        match self.moving {
+            Some(body) => stage.point(scene, body, &point, span),
+            None => Some(point),
+        }
     }
 
     /// Returns Bernstein coefficients of the height along the normal, rounded away from the half-space, in units of

@@ -96,10 +96,7 @@ impl Claim for Near {
         };
         if let Some(floor) = &self.floor {
             let point = end([a, b][1 - floor.side], &self.on[1 - floor.side])?;
-            let from_foot = match floor.foot(scene, stage, &span) {
-                Some(foot) => minus(&point, &foot?)?,
-                None => point,
-            };
+            let from_foot = minus(&point, &floor.foot(scene, stage, &span)?)?;
             let along = dot(&from_foot, &floor.direction(scene, stage, &span)?)?;
             let most = match floor.side {
                 0 => along.c[0].add(&along.r)?,

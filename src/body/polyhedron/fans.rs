@@ -28,8 +28,7 @@ use crate::body::polyhedron::{ConvexPolyhedron, Plane, VertexId};
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-/// Fans with more edges are searched. Up to this number, examining every edge is as cheap. Not
-/// measured.
+/// Fans with more edges are searched. Up to this number, examining every edge is as cheap.
 pub(crate) const MANY: usize = 128;
 
 /// The large fans of a body: their vertices in rising order, each with its axis.

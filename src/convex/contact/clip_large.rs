@@ -30,8 +30,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 
-/// Number of vertices of a face boundary that are tried next to a hint before bisection. Not
-/// measured.
+/// Number of vertices of a face boundary that are tried next to a hint before bisection.
 const MAX_LOCAL_STEPS: usize = 4;
 
 /// Rays are cast from a point of an overlap that is this many times the rounding of a position away

@@ -21,8 +21,7 @@ use crate::pair::difference::{MinkowskiPoint, difference_point, support};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 
-/// Number of repeated points before a polytope counts as folded and the next arithmetic runs. Not
-/// measured.
+/// Number of repeated points before a polytope counts as folded and the next arithmetic runs.
 const REPEATS: u32 = 16;
 
 /// Why a search ended.

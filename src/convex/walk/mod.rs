@@ -52,8 +52,7 @@ const NEWTON_JUMPS: u32 = 12;
 /// and the other solvers run.
 const STEPS_AT_LEAST: u32 = 16;
 
-/// Largest number of steps of a walk for each unit of the root of the number of vertices. Not
-/// measured.
+/// Largest number of steps of a walk for each unit of the root of the number of vertices.
 const STEPS_PER_ROOT: f64 = 4.0;
 
 /// Largest number of steps of a walk on bodies with long face boundaries or large fans, which

@@ -62,8 +62,7 @@ use crate::pair::outcome::ContactState;
 use crate::pair::transform::about_origins;
 use patch_pair::NearPatches;
 
-/// Sine of the largest angle between the normals of contacts that are reduced together. Not
-/// measured.
+/// Sine of the largest angle between the normals of contacts that are reduced together.
 const ALIKE: f64 = 1.0 / 64.0;
 
 /// How many times deeper than another contact a contact is that this one may explain. Vertices in

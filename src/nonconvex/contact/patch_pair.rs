@@ -26,8 +26,7 @@ use crate::convex::shape_tracker::{ShapeTracker, along_face, swapped};
 use crate::nonconvex::front::NodePair;
 use crate::pair::outcome::{ContactState, DepthMode, Outcome};
 
-/// Maximum number of faces tried for a contact whose normal is not a normal of the mesh. Not
-/// measured.
+/// Maximum number of faces tried for a contact whose normal is not a normal of the mesh.
 const FACES_TRIED: usize = 6;
 
 /// Faces whose depths differ by less than this fraction count as equally deep.

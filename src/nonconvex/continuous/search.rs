@@ -29,8 +29,7 @@ const WIDE: usize = 1024;
 #[cfg(feature = "exact")]
 const WIDE_WORK: u64 = 100_000_000;
 
-/// Largest number of rounds in which the interval around the root of a volume is narrowed. Not
-/// measured.
+/// Largest number of rounds in which the interval around the root of a volume is narrowed.
 const PATH_ROUNDS: u32 = 32;
 
 /// Smallest width of a bracket: a few roundings of times near one.

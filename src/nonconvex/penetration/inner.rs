@@ -59,8 +59,7 @@ const DEEP_POINTS: usize = 2048;
 
 /// Number of steps to the point of a piece that is deepest in a mesh.
 ///
-/// One step finds the deepest point of a ball; more steps follow the faces of the mesh. Not
-/// measured.
+/// One step finds the deepest point of a ball; more steps follow the faces of the mesh.
 const SINKS: usize = 4;
 
 /// A lower bound of a depth, and the translation of the inner body that ends the overlap found.

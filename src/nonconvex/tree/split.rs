@@ -55,8 +55,7 @@ const LOPSIDED: usize = 8;
 /// the direction perpendicular to both lengths, and 8,700 bounds without both.
 const HARDLY: f64 = 0.95;
 
-/// A cut along another axis must leave less than this fraction of the first cut's area. Not
-/// measured.
+/// A cut along another axis must leave less than this fraction of the first cut's area.
 const ACROSS: f64 = 0.8;
 
 /// Radius of a long item around its centroid, in standard deviations of the node.

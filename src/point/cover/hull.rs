@@ -54,8 +54,7 @@ const DOUBLINGS: u32 = 40;
 /// are.
 const LEAST: f64 = f64::from_bits((1023 - 190) << 52);
 
-/// Rounds in which the inner hull grows near corners, and the width of the gap's bounds. Not
-/// measured.
+/// Rounds in which the inner hull grows near corners, and the width of the gap's bounds.
 const ROUNDS: usize = 16;
 const WIDTH: f64 = 1.0 / 512.0;
 

@@ -27,8 +27,7 @@ const SAMPLES_PER_BALL: usize = 48;
 /// Rounds in which samples change clusters.
 const ROUNDS: usize = 6;
 
-/// A ball may grow by this fraction of the gap at once, and cells of this size are not halved. Not
-/// measured.
+/// A ball may grow by this fraction of the gap at once, and cells of this size are not halved.
 const GROWTH: f64 = 1.0 / 64.0;
 
 /// The same as a fraction of the size of the body, for balls that hardly stick out.

@@ -34,15 +34,13 @@ const AIM: f64 = 0.3;
 /// balls without a query.
 const CLEAR: f64 = 0.1;
 
-/// Smallest tolerance, as a multiple of the rounding of a distance: below it proofs fail. Not
-/// measured.
+/// Smallest tolerance, as a multiple of the rounding of a distance: below it proofs fail.
 const LEAST: f64 = 8.0;
 
 /// Factor by which a tolerance shrinks if its overlap was not proven.
 const SHRINK: f64 = 1.0 / 16.0;
 
-/// Largest number of doublings of the step behind contact if the tolerance cannot shrink. Not
-/// measured.
+/// Largest number of doublings of the step behind contact if the tolerance cannot shrink.
 const DOUBLINGS: u32 = 6;
 
 /// The state of a cast.

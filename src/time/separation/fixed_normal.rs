@@ -23,8 +23,7 @@ const CUT: f64 = 0.75;
 /// Excess of a bound, `2^24`, from which on an interval is cut more.
 const CUT_FAR: f64 = (1u64 << 24) as f64;
 
-/// The largest cut in one round, `2^-60`: 18 such cuts reduce an interval of one to zero. Not
-/// measured.
+/// The largest cut in one round, `2^-60`: 18 such cuts reduce an interval of one to zero.
 const CUT_MOST: f64 = 1.0 / (1u64 << 60) as f64;
 
 /// Largest velocity by rotation at which a plane keeps its normal in a cast.

@@ -25,8 +25,7 @@ use lin_canny::impact::Impact;
 /// Configurations of a segment that are measured before its clearance is proven.
 const SAMPLES: u32 = 8;
 
-/// Maximum number of times that the clearance to be proven is lowered along a segment. Not
-/// measured.
+/// Maximum number of times that the clearance to be proven is lowered along a segment.
 const LOWERED: u32 = 1000;
 
 /// Factor by which the search distance grows if no obstacle is within the distance of the last

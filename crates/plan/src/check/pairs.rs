@@ -208,8 +208,7 @@ impl Places {
 
 const NONE: u32 = u32::MAX;
 
-/// Number of obstacles up to which the boxes of all of them are tested, without the broad phase. Not
-/// measured.
+/// Number of obstacles up to which the boxes of all of them are tested, without the broad phase.
 const FEW: usize = 64;
 
 /// Bodies.

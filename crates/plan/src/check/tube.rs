@@ -17,8 +17,7 @@ const TIMES: u32 = 64;
 const PAIRS: usize = 8;
 const CORNERS: usize = 4;
 
-/// Pairs are tried if they are closer than this many times what the tube moves to first order. Not
-/// measured.
+/// Pairs are tried if they are closer than this many times what the tube moves to first order.
 const HOPE: f64 = 2.0;
 
 impl<C: ConfigurationSpace> Checker<C> {

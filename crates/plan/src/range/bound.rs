@@ -57,8 +57,7 @@ impl Affine {
 }
 
 /// Weights of the losses by which a joint is swept or bounded by derivatives: of the radius of a
-/// body if it is swept, and of the first derivative. They change the time, not the answer. Not
-/// measured.
+/// body if it is swept, and of the first derivative. They change the time, not the answer.
 const OF_RADIUS: f64 = 0.7;
 const OF_FIRST: f64 = 0.4;
 

@@ -14,8 +14,7 @@ use lin_canny::{ConvexPolyhedron, Outcome, RelativePose, Tracker};
 /// Most pairs of parts that are tested in a cell.
 const MOST: u32 = 4096;
 
-/// Greatest displacement for which parts are tried, in units of the distance at the centre. Not
-/// measured.
+/// Greatest displacement for which parts are tried, in units of the distance at the centre.
 const NEAR: f64 = 16.0;
 
 /// Convex bodies of leaves, made when they are needed.

@@ -8,7 +8,7 @@ use lin_canny::impact::ImpactError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReceiptError {
-    /// Returned if a body has no form in a receipt.
+    /// Returned if a body has no form in a receipt: a Bézier surface without the feature `surfaces`.
     #[error("body {name:?} has no receipt: it is a {kind}")]
     Body {
         /// Name of the body.

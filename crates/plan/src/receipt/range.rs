@@ -102,11 +102,15 @@ impl Receipt {
             let id = stated.pair(pair);
             let answer = id.and_then(|id| known.get(&id)).filter(|answer| answer.is_never());
             let keep = id.map_or(0.0, |id| checker.cell.required_distance(id).distance);
+            let turns = |k: usize| stated.scene.bodies[k].half.is_some() && stated.scene.moves(k);
+            let has_turning_plane = pair.into_iter().any(turns);
+            let answer = answer.filter(|_| !has_turning_plane);
             let found = answer.and_then(|_| Divided::lines(&stated.scene, pair, keep, range, cells));
             match found {
                 Some(cells) => proven.push((pair, keep, cells)),
                 None => {
                     let reason = match id.and_then(|id| known.get(&id)).map(|answer| &answer.verdict) {
+                        Some(RangeVerdict::Never) if has_turning_plane => "never meet, but a half-space moves",
                         Some(RangeVerdict::Never) => "never meet, but the proof has too many cells",
                         Some(RangeVerdict::Always) => "always meet",
                         Some(RangeVerdict::Both { .. }) => "can meet",
@@ -189,9 +193,6 @@ impl Divided<'_> {
     /// Returns the lines of the cells of a pair, without the pair; `None` if they are too many.
     fn lines(scene: &Scene, pair: [usize; 2], keep: f64, range: &[[f64; 2]], cells: u64) -> Option<Vec<String>> {
         let sides = pair.map(|k| Side::new(scene, k));
-        if (0..2).any(|k| sides[k].half.is_some() && scene.moves(pair[k])) {
-            return None;
-        }
         let mut on = vec![0];
         for side in &sides {
             on.extend(side.link.map_or(Vec::new(), |link| chain(scene, link)));

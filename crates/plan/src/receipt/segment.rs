@@ -287,13 +287,17 @@ impl<'a> Stated<'a> {
             Tube::Radius(radius) => checker.widened(radius),
             Tube::Joints(_) => return Err(ReceiptError::Tube),
         };
-        let ends = motion.times(0).zip(motion.times(motion.pieces() - 1));
-        let clock = ends.map(|([begin, _], [_, end])| [begin, end]);
+        // A spline may have times at some of its pieces alone.
+        let times: Option<Vec<[f64; 2]>> = (0..motion.pieces()).map(|k| motion.times(k)).collect();
+        let clock = times.map(|times| [times[0][0], times[times.len() - 1][1]]);
         match clock {
             Some(ends) => checker.check_poses(ends)?,
             None => checker.cell.check_at_rest()?,
         }
         let first = checker.moved(motion, 0)?;
+        for k in 1..motion.pieces() {
+            checker.moved(motion, k)?;
+        }
         let clock = clock.map(|ends| (ends, motion.control_points(0)[0].len()));
         let mut stated = Self::new(checker, &first, clock, fineness)?;
         stated.tube = tube;

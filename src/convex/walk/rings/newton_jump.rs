@@ -33,8 +33,7 @@ const STEPS: usize = 3;
 /// convergence.
 const DAMPING: f64 = 1.0 / 1024.0;
 
-/// A Newton step shorter than this is the last: the next step would be as short as its square. Not
-/// measured.
+/// A Newton step shorter than this is the last: the next step would be as short as its square.
 const CLOSE: f64 = 1.0 / 8.0;
 
 /// How often a jump that leads no closer is cut to a quarter before it is dropped.
@@ -43,8 +42,7 @@ const TRIES: u32 = 3;
 /// Bisections for the point at which a curve leaves a face.
 const BISECTIONS: u32 = 8;
 
-/// How far a parabola is followed, in lengths of its fit: longer jumps for worse extrapolation. Not
-/// measured.
+/// How far a parabola is followed, in lengths of its fit: longer jumps for worse extrapolation.
 const REACH: f64 = 12.0;
 
 /// The feature of one body as a smooth set of points.
