@@ -11,7 +11,7 @@ use crate::base::callbacks::Watch;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::sign::side;
-use crate::base::num::sort::{sort, sort_by_key};
+use crate::base::num::sort::sort_by_key;
 use crate::base::tolerance::{EXTENT_MIN, PLANARITY, SIDE_ERROR};
 use crate::body::polyhedron::build::cloud::{Cloud, power_of_two};
 use crate::body::polyhedron::build::error::BuildError;
@@ -229,7 +229,7 @@ impl FaceList {
             let ends = rim.iter().zip(rim.iter().cycle().skip(1));
             edges.extend(ends.map(|(&a, &b)| (a.min(b), a.max(b), a < b)));
         }
-        sort(&mut edges, Ord::cmp);
+        edges.sort_unstable();
         let mut misdirected = None;
         for uses in edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
             let (low, high, rising) = uses[0];

@@ -7,7 +7,6 @@ use nalgebra::Vector3;
 
 use crate::base::num::each::Each;
 use crate::base::num::sign::{projection, side, turn};
-use crate::base::num::sort::sort;
 use crate::body::polyhedron::build::hull::{HullSurface, HullTriangle};
 
 const NONE: u32 = u32::MAX;
@@ -67,7 +66,7 @@ impl Facets {
                 facets.loops.push(ring);
             }
         }
-        sort(&mut order, Ord::cmp);
+        order.sort_unstable();
         let mut face_of_group = vec![NONE; groups];
         for (&(_, _, g), face) in order.iter().zip(0u32..) {
             face_of_group[g] = face;
