@@ -86,6 +86,7 @@ const LIMITS: &[&str] = &[
 const BY_HAND: &[&str] = &[
     "ATTACHED",
     "CLOCK",
+    "CONTAINED",
     "CONVERTED",
     "CORE_CELL",
     "CORE_ERROR",
