@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::base::num::scalar::sqrt;
+use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::pose::Operand;
 use crate::body::polyhedron::FeaturePair;
 use crate::pair::outcome::Work;
@@ -49,7 +49,8 @@ pub(super) fn direction(posed: &PosedPair) -> Vector3<f64> {
         let Some(next) = solve(&(p * (1.0 - s) + q * s), &c) else {
             return x;
         };
-        x = next;
+        // In exact units: `next` is a product of five lengths, and the heights would be roots of twelve.
+        x = next / magnitude(next.amax());
         let (h, k) = (sqrt(x.dot(&(p * x))), sqrt(x.dot(&(q * x))));
         s = h / (h + k);
     }
