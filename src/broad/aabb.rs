@@ -1,9 +1,9 @@
 //! Axis-aligned boxes, as callers give them (`f64`) and as the broad phase stores them (`f32`,
 //! rounded outward).
 
-use crate::base::num::axis_name;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
+use crate::broad::BroadPhaseError;
 use nalgebra::{Point3, Vector3};
 
 /// An axis-aligned box with `f64` corners, as a caller gives it. It is closed: the faces belong to
@@ -20,22 +20,12 @@ pub struct Aabb {
     pub max: Point3<f64>,
 }
 
-/// Error of [`Aabb::validate`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum AabbError {
-    /// A bound on this axis is NaN or infinite.
-    #[error("a bound on axis {} is not finite", axis_name(*.axis))]
-    NonFinite {
-        /// 0, 1, 2 for x, y, z.
-        axis: usize,
-    },
-    /// The minimum exceeds the maximum on this axis.
-    #[error("the minimum exceeds the maximum on axis {}", axis_name(*.axis))]
-    Inverted {
-        /// 0, 1, 2 for x, y, z.
-        axis: usize,
-    },
+/// What is wrong with a box on an axis: the error of the loop over all boxes, which does not know
+/// the body.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::broad) enum BoxFault {
+    NonFinite { axis: usize },
+    Inverted { axis: usize },
 }
 
 /// Converts a least and a greatest corner to a box, without a check.
@@ -134,7 +124,11 @@ impl Aabb {
     /// # Errors
     /// Returns an error for the first axis with a bound that is NaN or infinite, or with a minimum
     /// above the maximum.
-    pub fn validate(&self) -> Result<(), AabbError> {
+    pub fn validate(&self) -> Result<(), BroadPhaseError> {
+        self.finite().map_err(|fault| BroadPhaseError::from_fault(fault, None))
+    }
+
+    pub(in crate::broad) fn finite(&self) -> Result<(), BoxFault> {
         if self.is_sound() {
             return Ok(());
         }
@@ -146,16 +140,20 @@ impl Aabb {
     /// # Errors
     /// Returns an error for the first axis with a bound that is NaN, or with a minimum above the
     /// maximum.
-    pub fn validate_unbounded(&self) -> Result<(), AabbError> {
+    pub fn validate_unbounded(&self) -> Result<(), BroadPhaseError> {
+        self.ordered().map_err(|fault| BroadPhaseError::from_fault(fault, None))
+    }
+
+    pub(in crate::broad) fn ordered(&self) -> Result<(), BoxFault> {
         (0..3).try_for_each(|axis| self.validate_axis(axis, |v| !v.is_nan()))
     }
 
-    fn validate_axis(&self, axis: usize, usable: fn(f64) -> bool) -> Result<(), AabbError> {
+    fn validate_axis(&self, axis: usize, usable: fn(f64) -> bool) -> Result<(), BoxFault> {
         let (min, max) = (self.min[axis], self.max[axis]);
         if !usable(min) || !usable(max) {
-            Err(AabbError::NonFinite { axis })
+            Err(BoxFault::NonFinite { axis })
         } else if min > max {
-            Err(AabbError::Inverted { axis })
+            Err(BoxFault::Inverted { axis })
         } else {
             Ok(())
         }

@@ -1,6 +1,7 @@
 //! Errors of the calls of a broad phase, and their messages.
 
-use super::{AabbError, BodyId};
+use super::BodyId;
+use super::aabb::BoxFault;
 use crate::base::num::axis_name;
 use thiserror::Error;
 
@@ -9,17 +10,17 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum BroadPhaseError {
     /// A bound is NaN or infinite. Only `insert_unbounded` accepts infinite boxes.
-    #[error("the box of {} has a bound on axis {} that is not finite", BoxName(*.body), axis_name(*.axis))]
+    #[error("{} has a bound on axis {} that is not finite", BoxName(*.body), axis_name(*.axis))]
     NonFinite {
-        /// The body whose box is invalid; `None` for a body to be inserted.
+        /// The body whose box is invalid; `None` for a box of no body yet.
         body: Option<BodyId>,
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
     /// The minimum of a box exceeds its maximum.
-    #[error("the box of {} is inverted on axis {}", BoxName(*.body), axis_name(*.axis))]
+    #[error("{} is inverted on axis {}", BoxName(*.body), axis_name(*.axis))]
     Inverted {
-        /// The body whose box is invalid; `None` for a body to be inserted.
+        /// The body whose box is invalid; `None` for a box of no body yet.
         body: Option<BodyId>,
         /// 0, 1, 2 for x, y, z.
         axis: usize,
@@ -62,10 +63,10 @@ pub enum BroadPhaseError {
 }
 
 impl BroadPhaseError {
-    pub(crate) fn from_box_error(error: AabbError, body: Option<BodyId>) -> Self {
-        match error {
-            AabbError::NonFinite { axis } => Self::NonFinite { body, axis },
-            AabbError::Inverted { axis } => Self::Inverted { body, axis },
+    pub(in crate::broad) fn from_fault(fault: BoxFault, body: Option<BodyId>) -> Self {
+        match fault {
+            BoxFault::NonFinite { axis } => Self::NonFinite { body, axis },
+            BoxFault::Inverted { axis } => Self::Inverted { body, axis },
         }
     }
 }
@@ -109,8 +110,8 @@ struct BoxName(Option<BodyId>);
 impl core::fmt::Display for BoxName {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self.0 {
-            Some(id) => id.fmt(f),
-            None => f.write_str("the body to insert"),
+            Some(id) => write!(f, "the box of {id}"),
+            None => f.write_str("the box"),
         }
     }
 }

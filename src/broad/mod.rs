@@ -69,7 +69,7 @@ mod state;
 mod sweep;
 mod tables;
 
-pub use aabb::{Aabb, AabbError, StoredBox};
+pub use aabb::{Aabb, StoredBox};
 pub use body::BodyId;
 pub use error::{BatchError, BroadPhaseError};
 pub use options::{BodyOptions, Groups, Settings};

@@ -4,7 +4,7 @@ use std::string::String;
 
 use crate::names::{CellBody, CellPair};
 use lin_canny::PoseError;
-use lin_canny::broad::{AabbError, BroadPhaseError};
+use lin_canny::broad::BroadPhaseError;
 use lin_canny::impact::ImpactError;
 use lin_canny::motion::MotionError;
 
@@ -228,10 +228,7 @@ pub enum PlanError {
     /// Returned if a cast is invalid.
     #[error(transparent)]
     Impact(#[from] ImpactError),
-    /// Returned if the box of an obstacle is not finite.
-    #[error(transparent)]
-    Aabb(#[from] AabbError),
-    /// Returned if the broad phase rejects a box.
+    /// Returned if the box of an obstacle is not finite, or the broad phase rejects it.
     #[error(transparent)]
     Broad(#[from] BroadPhaseError),
 }

@@ -10,7 +10,7 @@ mod state;
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
-use crate::broad::aabb::{Aabb, AabbError, FARTHEST, StoredBox};
+use crate::broad::aabb::{Aabb, BoxFault, FARTHEST, StoredBox};
 pub(crate) use crate::broad::body::record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
 use crate::broad::body::record::{LOOSE, NOTED};
 #[cfg(feature = "serde")]
@@ -217,13 +217,13 @@ impl Bodies {
             1 => context.place::<1>(record, id.index, aabb, marks),
             _ => context.place::<2>(record, id.index, aabb, marks),
         };
-        placed.map_err(|error| BroadPhaseError::from_box_error(error, Some(id)))
+        placed.map_err(|error| BroadPhaseError::from_fault(error, Some(id)))
     }
 
     /// Returns the stored form of a box that no body has yet; the box must be finite unless the
     /// flags allow infinity.
     pub(crate) fn stored(&self, aabb: &Aabb, flags: u32) -> Result<StoredBox, BroadPhaseError> {
-        checked(aabb, &self.origin, &self.grid, flags).map_err(|error| BroadPhaseError::from_box_error(error, None))
+        checked(aabb, &self.origin, &self.grid, flags).map_err(|error| BroadPhaseError::from_fault(error, None))
     }
 
     pub(crate) fn index_of(&self, id: BodyId) -> Result<usize, BroadPhaseError> {
@@ -372,7 +372,7 @@ impl PlaceContext<'_> {
         index: u32,
         aabb: &Aabb,
         marks: &mut Marks,
-    ) -> Result<(), AabbError> {
+    ) -> Result<(), BoxFault> {
         match Bounds::outward::<AXIS>(aabb, self.origin) {
             Some(bounds) => {
                 self.store(record, index, bounds, marks);
@@ -386,7 +386,7 @@ impl PlaceContext<'_> {
     /// stored. Otherwise the box of the fast path would go through memory, written and read in
     /// units of different sizes, which costs as much as everything else together.
     #[inline(never)]
-    fn place_slowly(&self, record: &mut Record, index: u32, aabb: &Aabb, marks: &mut Marks) -> Result<(), AabbError> {
+    fn place_slowly(&self, record: &mut Record, index: u32, aabb: &Aabb, marks: &mut Marks) -> Result<(), BoxFault> {
         let stored = checked(aabb, self.origin, self.grid, record.flags())?;
         self.store(record, index, Bounds::from_box(&stored), marks);
         Ok(())
@@ -445,11 +445,11 @@ impl PlaceContext<'_> {
 }
 
 /// Returns the stored form of a valid box.
-fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<StoredBox, AabbError> {
+fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<StoredBox, BoxFault> {
     if flags & UNBOUNDED == 0 {
-        aabb.validate()?;
+        aabb.finite()?;
     } else {
-        aabb.validate_unbounded()?;
+        aabb.ordered()?;
     }
     Ok(StoredBox::outward(aabb, origin).rotated(grid.axis))
 }
@@ -570,7 +570,7 @@ impl BodyRun<'_> {
                 continue;
             };
             if let Err(fault) = context.place::<AXIS>(record, id.index, aabb, marks) {
-                let fault = BroadPhaseError::from_box_error(fault, Some(*id));
+                let fault = BroadPhaseError::from_fault(fault, Some(*id));
                 error = BatchError::joined(error, Some(BatchError::one(place, fault)));
             }
         }
