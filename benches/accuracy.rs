@@ -6,8 +6,6 @@
 //! the pair, is printed first, also at a gap of 1e-9. Run `cargo bench --bench accuracy`;
 //! `cargo run --release -p race --bin accuracy_cost` measures more motions and other libraries.
 
-mod common;
-
 use common::{Group, chosen, each};
 use criterion::{AxisScale, Criterion, PlotConfiguration, criterion_group, criterion_main};
 use lin_canny::nalgebra::Isometry3;

@@ -7,8 +7,6 @@
 //! threads, run `RAYON_NUM_THREADS=2 cargo bench --features parallel --bench broad`, and the same with
 //! one thread.
 
-mod common;
-
 use std::hint::black_box;
 
 use common::chosen;

@@ -4,8 +4,6 @@
 //! (`cargo run --release -p race --bin race -- contact`), which interleaves the engines and
 //! compares their answers. These benchmarks follow one engine over time.
 
-mod common;
-
 use common::{Group, chosen, each};
 use criterion::{Criterion, criterion_group, criterion_main};
 use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker};

@@ -4,8 +4,6 @@
 //! bracket of 1e-9, `ours, 5e-3` the bracket of the gap at which parry's sweep stops. Every cast starts
 //! cold. Run `cargo bench --bench impact`; the race `impact` has more shapes and counts missed hits.
 
-mod common;
-
 use common::{chosen, each};
 use criterion::{Criterion, criterion_group, criterion_main};
 use lin_canny::impact::{Tolerance, cast};

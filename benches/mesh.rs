@@ -4,8 +4,6 @@
 //! `cargo bench --bench mesh`; the races `meshes`, `points` and `rays` have more shapes and compare
 //! the answers.
 
-mod common;
-
 use common::{chosen, each};
 use criterion::{Criterion, criterion_group, criterion_main};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};

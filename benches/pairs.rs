@@ -5,8 +5,6 @@
 //! runs the same motions with all engines interleaved. These benchmarks follow one engine over
 //! time.
 
-mod common;
-
 use std::hint::black_box;
 
 use common::{chosen, each};

@@ -2,8 +2,6 @@
 //!
 //! The race `scene` compares it with other libraries.
 
-mod common;
-
 use common::chosen;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lin_canny::ManifoldOptions;

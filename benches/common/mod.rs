@@ -3,8 +3,6 @@
 //! By default each benchmark has the rows that answer its question. `LIN_CANNY_BENCH=all` adds the
 //! other shapes, sizes and motions.
 
-#![allow(dead_code, reason = "each benchmark uses a part")]
-
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -12,10 +10,10 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion};
 
 /// A group of rows.
-pub(crate) type Group<'a> = BenchmarkGroup<'a, WallTime>;
+pub type Group<'a> = BenchmarkGroup<'a, WallTime>;
 
 /// Returns the settings of all benchmarks: a second of warm-up, two seconds of measurement.
-pub(crate) fn criterion() -> Criterion {
+pub fn criterion() -> Criterion {
     Criterion::default()
         .warm_up_time(Duration::from_secs(1))
         .measurement_time(Duration::from_secs(2))
@@ -25,7 +23,7 @@ pub(crate) fn criterion() -> Criterion {
 }
 
 /// Returns the default values, or all of them.
-pub(crate) fn chosen<'a, T>(default: &'a [T], all: &'a [T]) -> &'a [T] {
+pub fn chosen<'a, T>(default: &'a [T], all: &'a [T]) -> &'a [T] {
     match std::env::var("LIN_CANNY_BENCH") {
         Ok(which) if which == "all" => all,
         _ => default,
@@ -33,7 +31,7 @@ pub(crate) fn chosen<'a, T>(default: &'a [T], all: &'a [T]) -> &'a [T] {
 }
 
 /// Measures a call; successive measurements use successive cases.
-pub(crate) fn each<C, T>(
+pub fn each<C, T>(
     group: &mut Group,
     name: &str,
     size: impl std::fmt::Display,

@@ -11,7 +11,7 @@ use truth::support::{between, body, pairs, state};
 use truth::{Pose, bound};
 
 fn cases() -> Vec<Case> {
-    let all = corpus::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus"));
+    let all = corpus::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus"));
     assert!(all.len() >= 300, "the corpus has shrunk to {} cases", all.len());
     all
 }
@@ -229,7 +229,7 @@ fn exact_bounds_agree_with_the_corpus() {
 /// levels.
 #[test]
 fn the_record_is_of_this_corpus() {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/record/corpus.md");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../benches/record/corpus.md");
     let table = std::fs::read_to_string(file).unwrap();
     let all = cases();
     let mut rows = table

@@ -68,7 +68,7 @@ fn faults(text: &str) -> Vec<&'static str> {
 
 #[test]
 fn texts_of_errors_follow_the_pattern() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::root();
     let mut files = Vec::new();
     sources(&root.join("src"), &mut files);
     sources(&root.join("crates"), &mut files);

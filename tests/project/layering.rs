@@ -3,7 +3,7 @@
 //!
 //! `rustfmt` formats the source, so a function ends at the first closing brace at its indentation.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Files with more lines are listed, including their tests.
 const FILE: usize = 800;
@@ -58,7 +58,7 @@ fn with_planner() -> Vec<Source> {
 }
 
 fn below(folder: &str) -> Vec<Source> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let root = crate::root().join(folder);
     let (mut folders, mut files) = (vec![root.clone()], Vec::<PathBuf>::new());
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).expect("src is readable") {
@@ -527,7 +527,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
 /// it.
 #[test]
 fn rooms_stand_in_order() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let root = crate::root().join("src");
     let entries = std::fs::read_dir(root)
         .expect("src is readable")
         .map(|e| e.expect("an entry").path());
@@ -560,7 +560,7 @@ fn rooms_stand_in_order() {
 
 /// Returns the layers in the first column of the table of ARCHITECTURE.md.
 fn layers_told() -> Vec<String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::root();
     let text = std::fs::read_to_string(root.join("ARCHITECTURE.md")).expect("ARCHITECTURE.md is text");
     let rows = text.lines().skip_while(|l| *l != "| layer | holds |").skip(2);
     let cells = rows

@@ -32,7 +32,7 @@ fn links(text: &str) -> Vec<String> {
 
 #[test]
 fn links_of_all_pages_lead_to_files() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::root();
     let mut all = Vec::new();
     pages(root, &mut all);
     let (mut seen, mut missing) = (0, Vec::new());
@@ -55,7 +55,7 @@ fn links_of_all_pages_lead_to_files() {
 /// Paths in code spans exist: `crates/...`, `lab/...`, `tests/...` and the like.
 #[test]
 fn paths_in_pages_exist() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::root();
     let folders = [
         "benches/",
         "crates/",

@@ -4,18 +4,17 @@
 //! Their builds run with `--locked`, so a dependency added to a member would stop them.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 /// The workspaces outside the core.
 const WORKSPACES: [&str; 4] = ["crates/capi", "crates/python", "crates/rerun", "crates/study"];
 
 fn read(name: &str) -> String {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    std::fs::read_to_string(crate::root().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
 /// Returns the text of each manifest by the name of its package.
 fn manifests() -> BTreeMap<String, String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::root();
     let below = ["crates", "lab"].into_iter().flat_map(|folder| {
         let entries = std::fs::read_dir(root.join(folder)).expect("the repository is readable");
         entries.map(move |e| (folder, e.expect("the repository is readable").file_name()))

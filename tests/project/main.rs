@@ -9,3 +9,10 @@ mod options;
 mod pages;
 mod readme;
 mod unsafe_code;
+
+use std::path::Path;
+
+/// Returns the checkout.
+pub(crate) fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a checkout")
+}

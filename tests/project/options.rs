@@ -2,7 +2,7 @@
 //! each field, and default values unless a field has none.
 
 use std::fs::read_to_string;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::errors::sources;
 
@@ -54,7 +54,7 @@ fn faults(source: &str, all: &str) -> Vec<String> {
 
 #[test]
 fn types_of_options_have_one_style() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::root();
     let mut files: Vec<PathBuf> = Vec::new();
     sources(&root.join("src"), &mut files);
     for package in ["parry", "plan", "rapier", "record", "robot", "study", "formats"] {

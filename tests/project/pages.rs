@@ -3,7 +3,7 @@
 //! The test `pages` of the package `lin-canny-cli` runs the blocks.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Blocks of commands that no test runs: page, number of blocks, and the reason that stands above each.
 const NOT_RUN: &[(&str, usize, &str)] = &[
@@ -116,21 +116,17 @@ const PROGRAMS: [&str; 15] = [
     "study ",
 ];
 
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-}
-
 /// Returns the text of a page.
 pub(crate) fn read(page: &str) -> String {
-    std::fs::read_to_string(root().join(page)).unwrap_or_else(|e| panic!("{page}: {e}"))
+    std::fs::read_to_string(crate::root().join(page)).unwrap_or_else(|e| panic!("{page}: {e}"))
 }
 
 /// Returns the names of all pages of the repository.
 pub(crate) fn pages() -> Vec<String> {
     let mut found = vec![];
-    super::links::pages(root(), &mut found);
+    super::links::pages(crate::root(), &mut found);
     let name = |page: &PathBuf| {
-        page.strip_prefix(root())
+        page.strip_prefix(crate::root())
             .expect("a page of the repository")
             .display()
             .to_string()

@@ -21,11 +21,11 @@ const PACKAGES: [&str; 14] = [
 ];
 
 fn read(name: &str) -> String {
-    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    std::fs::read_to_string(crate::root().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
 fn bytes(name: &str) -> Vec<u8> {
-    std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    std::fs::read(crate::root().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn files_of_the_readme_exist() {
 /// records and CHANGELOG.md name programs of their day.
 #[test]
 fn commands_of_pages_exist() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::root();
     let mut seen = 0;
     let all = super::pages::pages();
     let is_of_today = |page: &&String| !page.starts_with("benches/") && *page != "CHANGELOG.md";
@@ -91,7 +91,7 @@ fn the_table_of_examples_is_complete() {
         .map(Into::into)
         .collect();
     named.sort();
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let folder = crate::root().join("examples");
     let entries = std::fs::read_dir(folder)
         .expect("examples")
         .map(|e| e.expect("an entry").path());
@@ -140,7 +140,7 @@ fn source_files(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
 #[test]
 fn code_of_the_documentation_is_narrow_and_needs_no_other_crate() {
     let mut files = vec![];
-    source_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
+    source_files(&crate::root().join("src"), &mut files);
     let (mut lines, mut faults) = (0, vec![]);
     for file in files {
         let text = std::fs::read_to_string(&file).expect("a source file");

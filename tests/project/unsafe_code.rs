@@ -5,18 +5,14 @@ use std::path::{Path, PathBuf};
 /// The package that may use `unsafe`.
 const EXCEPTION: &str = "crates/capi";
 
-fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
-
 /// Returns the folders of all packages.
 fn packages() -> Vec<PathBuf> {
     let below = ["crates", "lab"].into_iter().flat_map(|folder| {
-        let entries = std::fs::read_dir(root().join(folder)).expect("the repository is readable");
+        let entries = std::fs::read_dir(crate::root().join(folder)).expect("the repository is readable");
         entries.map(|e| e.expect("the repository is readable").path())
     });
     let all: Vec<_> = below
-        .chain([root()])
+        .chain([crate::root().to_path_buf()])
         .filter(|p| p.join("Cargo.toml").exists())
         .collect();
     assert!(all.len() > 12, "{all:?}");
@@ -56,7 +52,7 @@ fn every_other_package_forbids_unsafe_code() {
 #[test]
 fn every_unsafe_block_of_the_interface_states_its_contract() {
     let mut files = Vec::new();
-    sources(&root().join(EXCEPTION).join("src"), &mut files);
+    sources(&crate::root().join(EXCEPTION).join("src"), &mut files);
     let mut blocks = 0;
     for file in files {
         let text = std::fs::read_to_string(&file).expect("a source file");

@@ -61,7 +61,7 @@ const DONE: usize = usize::MAX;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use truth::rng::Rng;
+    use crate::rng::Rng;
 
     /// As the stable sort of the standard library, with few and with many equal keys.
     #[test]

@@ -18,7 +18,7 @@ fn asked_by_pose(text: &str) -> impl Iterator<Item = &str> {
 
 #[test]
 fn every_query_has_a_row() {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../src");
     let rows = [
         include_str!("../calls.rs"),
         include_str!("moving.rs"),

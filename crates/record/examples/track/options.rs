@@ -44,7 +44,7 @@ impl Options {
     pub(crate) fn pair(&self) -> [PathBuf; 2] {
         let ours = |name: &str| {
             PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-                .join("examples/meshes")
+                .join("../../examples/meshes")
                 .join(name)
         };
         match self.meshes.as_slice() {

@@ -1,9 +1,9 @@
 //! Two meshes tumble past each other while one tracker follows their closest features.
 //!
-//! `cargo run --release --example track -- [A.obj|stl B.obj|stl] [--frames N] [--out track.svg]`
+//! `cargo run --release -p lin-canny-record --example track -- [A.obj|stl B.obj|stl] [--frames N] [--out track.svg]`
 //!
 //! With poses from a file the meshes are taken as they are, convex or not:
-//! `cargo run --release --example track -- A.stl B.stl --poses POSES.csv [--csv OUT.csv] [--out track.svg]`
+//! `cargo run --release -p lin-canny-record --example track -- A.stl B.stl --poses POSES.csv [--csv OUT.csv] [--out track.svg]`
 
 mod given;
 mod load;
