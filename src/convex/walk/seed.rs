@@ -49,7 +49,7 @@ pub(super) fn direction(posed: &PosedPair) -> Vector3<f64> {
         let Some(next) = solve(&(p * (1.0 - s) + q * s), &c) else {
             return x;
         };
-        // In exact units: `next` is a product of five lengths, and the heights would be roots of twelve.
+        // Scaled exactly: `next` is a product of five lengths, the squares of its heights of twelve.
         x = next / magnitude(next.amax());
         let (h, k) = (sqrt(x.dot(&(p * x))), sqrt(x.dot(&(q * x))));
         s = h / (h + k);
