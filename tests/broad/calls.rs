@@ -2,8 +2,9 @@
 //! are those of brute force.
 
 use proptest::prelude::*;
-use truth::driven::calls::{Tally, drive};
+use truth::driven::calls::{self, drive};
 use truth::rng::Rng;
+use truth::tally::Tally;
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
@@ -32,14 +33,10 @@ fn what_was_found_stays_mended() {
 #[test]
 fn the_mix_of_calls() {
     let mut rng = Rng::new(62);
-    let mut sum = Tally::default();
+    let mut sum = calls::Tally::default();
     for _ in 0..200 {
         let bytes: Vec<u8> = (0..2500).map(|_| rng.bits() as u8).collect();
-        let t = drive(&bytes);
-        sum.calls.iter_mut().zip(t.calls).for_each(|(s, n)| *s += n);
-        sum.steps += t.steps;
-        sum.events += t.events;
-        sum.pairs += t.pairs;
+        sum.add(&drive(&bytes));
     }
     assert!(sum.calls[0] > 5000 && sum.calls[1] > 2000, "{sum:?}");
     assert!(sum.steps > 2000 && sum.events > 2000 && sum.pairs > 20_000, "{sum:?}");

@@ -4,15 +4,11 @@
 use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
 use truth::driven::lattice::{Mix, sequence};
+use truth::driven::played;
+use truth::tally::Tally;
 
 fn play(sequences: u64, make: impl Fn() -> SweepAndPrune) {
-    let mut mix = Mix::default();
-    for seed in 0..sequences {
-        match sequence(seed, make()) {
-            Ok(played) => mix.add(&played),
-            Err(what) => panic!("seed {seed}: {what}"),
-        }
-    }
+    let mix = played(0..sequences, |seed| sequence(seed, make()));
     let n = sequences;
     assert!(
         mix.pairs > 20 * n && mix.events > 5 * n && mix.steps > 10 * n,
@@ -46,14 +42,8 @@ fn two_million_sequences_equal_brute_force() {
     let mixes: Vec<Mix> = std::thread::scope(|scope| {
         let parts: Vec<_> = (0..threads)
             .map(|part| {
-                scope.spawn(move || {
-                    let mut mix = Mix::default();
-                    for seed in (part..n).step_by(threads as usize) {
-                        let played = sequence(1_000_000 + seed, SweepAndPrune::new());
-                        mix.add(&played.unwrap_or_else(|what| panic!("seed {seed}: {what}")));
-                    }
-                    mix
-                })
+                let seeds = (1_000_000 + part..1_000_000 + n).step_by(threads as usize);
+                scope.spawn(move || played(seeds, |seed| sequence(seed, SweepAndPrune::new())))
             })
             .collect();
         parts

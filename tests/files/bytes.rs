@@ -2,24 +2,17 @@
 
 use std::time::{Duration, Instant};
 use truth::driven::bytes;
-
-use truth::driven::bytes::{Tally, drive};
+use truth::driven::bytes::drive;
 use truth::rng::Rng;
+use truth::tally::Tally;
 
 /// Far above the time of any query; an endless loop would exceed it.
 const LIMIT: Duration = Duration::from_secs(5);
 
-fn add(sum: &mut Tally, t: Tally) {
-    let each = |sum: &mut [u32], t: &[u32]| sum.iter_mut().zip(t).for_each(|(s, t)| *s += t);
-    each(&mut sum.bodies, &t.bodies);
-    each(&mut sum.poses, &t.poses);
-    each(&mut sum.classes, &t.classes);
-}
-
 #[test]
 fn any_bytes_are_answered_or_refused() {
     let mut rng = Rng::new(61);
-    let mut sum = Tally::default();
+    let mut sum = bytes::Tally::default();
     for k in 0..20_000 {
         let mut text: Vec<u8> = (0..64 + rng.below(900)).map(|_| rng.bits() as u8).collect();
         // Half of the inputs have few kinds of numbers, so that points coincide and bodies touch.
@@ -34,7 +27,7 @@ fn any_bytes_are_answered_or_refused() {
             "input {k} took {:?}: {text:?}",
             began.elapsed()
         );
-        add(&mut sum, tally.unwrap_or_default());
+        sum.add(&tally.unwrap_or_default());
     }
     println!("{sum:?}");
     // All cases occur: bodies built and rejected, poses accepted and rejected, and every contact

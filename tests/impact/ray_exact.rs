@@ -4,14 +4,12 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::scene::{Body, Scene};
 use lin_canny::{ConvexPolyhedron, HalfSpace, Mesh, Ray, RayCast, RayCaster};
-use truth::driven::rays::{self, EACH, Mix};
+use truth::driven::played;
+use truth::driven::rays::{self, EACH};
 
 /// Plays bodies of all kinds with about `asked` rays.
 fn judge(asked: u64, seed: u64) {
-    let mut mix = Mix::default();
-    for k in 0..asked / EACH {
-        mix.add(&rays::play(seed + k).expect("a right answer"));
-    }
+    let mix = played(seed..seed + asked / EACH, rays::play);
     println!("misses, hits, inside, undecided: {:?}", mix.rays);
     for counts in &mix.rays {
         assert!(counts[..3].iter().all(|n| *n > asked / 250), "{mix:?}");

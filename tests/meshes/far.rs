@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{ContactState, Mesh, PairTracker, RelativePose};
-use truth::driven::far::{self, Mix};
+use truth::driven::{far, played};
 
 /// Returns a box as a mesh.
 fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
@@ -92,28 +92,9 @@ fn vertices_that_move_far_away_stay_exact() {
     }
 }
 
-fn play(seeds: std::ops::Range<u64>) -> Mix {
-    let mut mix = Mix::default();
-    let mut wrong = Vec::new();
-    for seed in seeds {
-        match far::play(seed) {
-            Ok(more) => mix.add(&more),
-            Err(why) => wrong.push(why),
-        }
-    }
-    assert!(
-        wrong.is_empty(),
-        "{} wrong\n{}",
-        wrong.len(),
-        wrong[..wrong.len().min(12)].join("\n")
-    );
-    println!("{mix:?}");
-    mix
-}
-
 #[test]
 fn bodies_far_from_their_origins_are_as_exact_as_near() {
-    let mix = play(0..1_000);
+    let mix = played(0..1_000, far::play);
     assert!(mix.kinds.iter().chain(&mix.states).all(|n| *n > 20), "{mix:?}");
     assert!(
         mix.near > 200 && mix.depths > 100 && mix.contacts > 50 && mix.rays > 20 && mix.widest > 0.05,
@@ -124,5 +105,5 @@ fn bodies_far_from_their_origins_are_as_exact_as_near() {
 #[test]
 #[ignore = "minutes: cargo test --release --locked --all-features --test meshes far_bodies -- --ignored --nocapture"]
 fn a_hundred_thousand_far_bodies_are_as_exact_as_near() {
-    play(1_000_000..1_100_000);
+    println!("{:?}", played(1_000_000..1_100_000, far::play));
 }

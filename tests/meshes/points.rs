@@ -7,7 +7,7 @@ use lin_canny::scene::{Body, Change, PairQueries, Scene};
 use lin_canny::{
     Compound, ContactState, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose,
 };
-use truth::driven::points::{self, Mix};
+use truth::driven::{played, points};
 use truth::rng::Rng;
 
 fn cube(size: f64) -> Geometry {
@@ -186,18 +186,8 @@ fn an_origin_next_to_a_face_of_a_hull_is_on_its_side_of_it() {
     assert!(counts.iter().all(|n| *n > 100), "{counts:?}");
 }
 
-fn play(count: u64) -> Mix {
-    let mut mix = Mix::default();
-    for seed in 0..count {
-        match points::play(seed) {
-            Ok(played) => mix.add(&played),
-            Err(fault) => panic!("{fault}"),
-        }
-    }
-    mix
-}
-
-fn is_mixed(mix: &Mix, least: u64) -> bool {
+fn check(count: u64, least: u64) {
+    let mix = played(0..count, points::play);
     let counts = [
         &mix.points[..],
         &mix.small,
@@ -205,13 +195,12 @@ fn is_mixed(mix: &Mix, least: u64) -> bool {
         &[mix.through, mix.grazing],
         &mix.hull_rays[..3],
     ];
-    counts.concat().iter().all(|count| *count >= least)
+    assert!(counts.concat().iter().all(|count| *count >= least), "{mix:?}");
 }
 
 #[test]
 fn random_points_and_rays_next_to_meshes_are_decided() {
-    let mix = play(170);
-    assert!(is_mixed(&mix, 20), "{mix:?}");
+    check(170, 20);
 }
 
 /// The bounds of an origin just outside a hull contain zero.
@@ -269,6 +258,5 @@ fn a_ray_that_begins_a_hair_outside_a_hull_misses() {
 #[test]
 #[ignore = "minutes: 100,000 points and as many rays; cargo test --release --test meshes many_points -- --ignored"]
 fn many_points_and_rays_next_to_meshes_are_decided() {
-    let mix = play(17_000);
-    assert!(is_mixed(&mix, 2_000), "{mix:?}");
+    check(17_000, 2_000);
 }

@@ -4,7 +4,8 @@
 use lin_canny::nalgebra::Point3;
 use lin_canny::{Mesh, PairTracker};
 use truth::Pose;
-use truth::driven::slivers::{Mix, play};
+use truth::driven::played;
+use truth::driven::slivers::play;
 use truth::rng::Rng;
 
 use super::relative;
@@ -55,14 +56,7 @@ fn two_slivers_on_one_line_are_as_far_apart_as_their_ends() {
 }
 
 fn run(count: u64) {
-    let mut mix = Mix::default();
-    for k in 0..count {
-        let seed = Rng::of_case(0x511f, k).bits();
-        match play(seed) {
-            Ok(found) => mix.add(&found),
-            Err(what) => panic!("{k}, seed {seed}: {what}"),
-        }
-    }
+    let mix = played((0..count).map(|k| Rng::of_case(0x511f, k).bits()), play);
     println!("{mix:?}");
     assert!(mix.slivers > mix.meshes / 4 && mix.bent > mix.meshes / 8, "{mix:?}");
     assert!(mix.apart > 0 && mix.meeting > 0 && mix.own > mix.meshes / 4, "{mix:?}");

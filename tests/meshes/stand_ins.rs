@@ -9,7 +9,7 @@ use lin_canny::surface::BezierSurface;
 use lin_canny::{
     Compound, ConvexPolyhedron, Geometry, Mesh, MeshError, PairTracker, Piece, QueryOptions, RelativePose, Shape,
 };
-use truth::driven::stand_ins::{self, Mix};
+use truth::driven::{played, stand_ins};
 use truth::rng::Rng;
 
 fn cuboid(half: [f64; 3]) -> ConvexPolyhedron {
@@ -305,17 +305,10 @@ fn every_kind_that_a_body_is_turned_into_is_the_body() {
     }
 }
 
-/// Plays pairs and families from seed 0 on.
-fn played(count: u64) -> Mix {
-    let mut mix = Mix::default();
-    for seed in 0..count {
-        mix.add(&stand_ins::play(seed).unwrap_or_else(|what| panic!("seed {seed}: {what}")));
-    }
-    mix
-}
-
-/// Asserts that every ingredient occurred at least a given number of times per thousand seeds.
-fn check(mix: &Mix, thousands: u64) {
+/// Plays pairs and families, and asserts that every ingredient occurred at least a given number of
+/// times per thousand seeds.
+fn check(thousands: u64) {
+    let mix = played(0..1000 * thousands, stand_ins::play);
     let some = |x: u64, least: u64| x >= least * thousands;
     assert!(mix.pieces.iter().all(|n| some(*n, 100)), "{mix:?}");
     assert!(mix.beside.iter().all(|n| some(*n, 10)), "{mix:?}");
@@ -332,7 +325,7 @@ fn check(mix: &Mix, thousands: u64) {
 
 #[test]
 fn pieces_of_every_measure_are_those_of_the_body() {
-    check(&played(1000), 1);
+    check(1);
 }
 
 /// Needles at poses, one nearer than the rounding of the pose of its piece, which puts one into the
@@ -345,5 +338,5 @@ fn needles_nearer_than_the_rounding_of_their_poses_keep_their_distance() {
 #[test]
 #[ignore = "minutes: cargo test --release -p lin-canny --all-features --test meshes stand_ins -- --ignored"]
 fn pieces_of_every_measure_are_those_of_the_body_in_many_pairs() {
-    check(&played(100_000), 100);
+    check(100);
 }

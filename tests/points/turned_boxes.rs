@@ -1,14 +1,12 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ContactState, Piece, PointQuery};
-use truth::driven::turned_boxes::{self, EACH, Mix};
+use truth::driven::played;
+use truth::driven::turned_boxes::{self, EACH};
 
 /// Plays compounds of rotated boxes with at least `asked` points.
 fn judge(asked: u64, seed: u64) {
-    let mut mix = Mix::default();
-    for k in 0..asked / EACH {
-        mix.add(&turned_boxes::play(seed + k).expect("right sides and bounds"));
-    }
+    let mix = played(seed..seed + asked / EACH, turned_boxes::play);
     println!("{mix:?}");
     assert!(mix.points.iter().all(|n| *n > asked / 1000), "{mix:?}");
 }

@@ -12,6 +12,7 @@ use truth::driven::scenes::Mix;
 use truth::rng::Rng;
 use truth::shapes;
 use truth::support::body;
+use truth::tally::Tally;
 
 /// The bytes of a generator reach every case.
 #[test]

@@ -1,23 +1,11 @@
 //! Promise: the worlds of the soak hold for some seeds, and their draws contain every ingredient.
 
-use truth::driven::{clouds, curves, distances, planner, surfaces, throws, underflow};
+use truth::driven::{clouds, curves, distances, planner, played, surfaces, throws, underflow};
 use truth::rng::Rng;
-
-/// Plays sequences and returns the sum of their counts.
-fn played<M: Default>(seeds: u64, play: fn(u64) -> Result<M, String>, add: fn(&mut M, &M)) -> M {
-    let mut sum = M::default();
-    for seed in 0..seeds {
-        add(
-            &mut sum,
-            &play(seed).unwrap_or_else(|fault| panic!("seed {seed}: {fault}")),
-        );
-    }
-    sum
-}
 
 #[test]
 fn worlds_of_the_planner_agree_with_cold_queries() {
-    let mix = played(30, planner::play, planner::Mix::add);
+    let mix = played(0..30, planner::play);
     assert!(mix.worlds[1] > 0 && mix.changes[0] > 0, "{mix:?}");
     let lists = [
         &mix.configurations[..],
@@ -30,7 +18,7 @@ fn worlds_of_the_planner_agree_with_cold_queries() {
 
 #[test]
 fn casts_agree_with_queries_at_many_times() {
-    let mix = played(150, throws::play, throws::Mix::add);
+    let mix = played(0..150, throws::play);
     assert!(
         mix.casts[..2].iter().chain(&mix.kinds).all(|n| *n > 10) && mix.planes > 0,
         "{mix:?}"
@@ -39,25 +27,25 @@ fn casts_agree_with_queries_at_many_times() {
 
 #[test]
 fn signed_distances_of_points_are_those_of_rational_arithmetic() {
-    let mix = played(30, distances::play, distances::Mix::add);
+    let mix = played(0..30, distances::play);
     assert!(mix.places.iter().all(|n| *n > 10), "{mix:?}");
 }
 
 #[test]
 fn signs_that_underflow_are_those_of_whole_numbers() {
-    let mix = played(60, underflow::play, underflow::Mix::add);
+    let mix = played(0..60, underflow::play);
     assert!(mix.tips.iter().all(|n| *n > 10) && mix.corners[0] > 30, "{mix:?}");
 }
 
 #[test]
 fn clouds_agree_with_their_elements() {
-    let mix = played(60, clouds::play, clouds::Mix::add);
+    let mix = played(0..60, clouds::play);
     assert!(mix.frames.iter().chain(&mix.elements).all(|n| *n > 3), "{mix:?}");
 }
 
 #[test]
 fn no_two_points_of_surfaces_are_closer_than_a_lower_bound() {
-    let mix = played(12, surfaces::play, surfaces::Mix::add);
+    let mix = played(0..12, surfaces::play);
     assert!(mix.frames[0] > 10 && mix.reached > 10, "{mix:?}");
 }
 

@@ -7,28 +7,16 @@ use super::Bytes;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{ContactState, ConvexPolyhedron, Outcome, RelativePose, Tracker};
 
-/// Counts of the results.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Tally {
-    /// Bodies built and rejected.
-    pub bodies: [u32; 2],
-    /// Poses built and rejected.
-    pub poses: [u32; 2],
-    /// Queries by contact state: separated, touching, overlapping, undecided.
-    pub classes: [u32; 4],
-}
-
-impl Tally {
-    /// Adds the counts of other bodies.
-    pub fn add(&mut self, o: &Self) {
-        let lists = [
-            (&mut self.bodies[..], &o.bodies[..]),
-            (&mut self.poses, &o.poses),
-            (&mut self.classes, &o.classes),
-        ];
-        for (mine, theirs) in lists {
-            mine.iter_mut().zip(theirs).for_each(|(x, y)| *x += y);
-        }
+crate::tally! {
+    /// Counts of the results.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Tally {
+        /// Bodies built and rejected.
+        pub bodies: [u32; 2],
+        /// Poses built and rejected.
+        pub poses: [u32; 2],
+        /// Queries by contact state: separated, touching, overlapping, undecided.
+        pub classes: [u32; 4],
     }
 }
 

@@ -8,26 +8,18 @@ use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Counts of the results.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Tally {
-    /// Calls accepted and rejected, without steps.
-    pub calls: [u32; 2],
-    /// Steps.
-    pub steps: u32,
-    /// Events of all steps.
-    pub events: u32,
-    /// Pairs of all steps.
-    pub pairs: u32,
-}
-
-impl Tally {
-    /// Adds the counts of other calls.
-    pub fn add(&mut self, o: &Self) {
-        self.calls.iter_mut().zip(o.calls).for_each(|(x, y)| *x += y);
-        self.steps += o.steps;
-        self.events += o.events;
-        self.pairs += o.pairs;
+crate::tally! {
+    /// Counts of the results.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Tally {
+        /// Calls accepted and rejected, without steps.
+        pub calls: [u32; 2],
+        /// Steps.
+        pub steps: u32,
+        /// Events of all steps.
+        pub events: u32,
+        /// Pairs of all steps.
+        pub pairs: u32,
     }
 }
 

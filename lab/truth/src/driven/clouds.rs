@@ -10,7 +10,6 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{
     Cloud, CloudElement, ContactState, ConvexPolyhedron, Geometry, Mesh, PairTracker, RelativePose, Shape,
 };
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Frames of a motion.
 const FRAMES: usize = 8;
@@ -18,37 +17,26 @@ const FRAMES: usize = 8;
 /// Error of the bounds, in units of the size of the pair.
 const NOISE: f64 = 1.5e-13;
 
-/// Counts of the results; if a count is zero, its ingredient was not tested.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Frames with the bodies apart, and in contact.
-    pub frames: [u64; 2],
-    /// Clouds of points, of balls, of boxes, of hulls.
-    pub elements: [u64; 4],
-}
-
-impl Mix {
-    /// Adds the counts of other clouds.
-    pub fn add(&mut self, o: &Self) {
-        self.frames.iter_mut().zip(o.frames).for_each(|(x, y)| *x += y);
-        self.elements.iter_mut().zip(o.elements).for_each(|(x, y)| *x += y);
+crate::tally! {
+    /// Counts of the results; if a count is zero, its ingredient was not tested.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Frames with the bodies apart, and in contact.
+        pub frames: [u64; 2],
+        /// Clouds of points, of balls, of boxes, of hulls.
+        pub elements: [u64; 4],
     }
-}
-
-/// Plays a cloud and a body.
-///
-/// # Errors
-/// Returns the first wrong answer, or a panic.
-pub fn play(seed: u64) -> Result<Mix, String> {
-    let played = catch_unwind(AssertUnwindSafe(|| cloud(seed)));
-    played.unwrap_or_else(|_| Err("a panic".to_owned()))
 }
 
 fn vector(rng: &mut Rng, most: f64) -> Vector3<f64> {
     Vector3::from_fn(|_, _| rng.range(-most, most))
 }
 
-fn cloud(seed: u64) -> Result<Mix, String> {
+/// Plays a cloud and a body.
+///
+/// # Errors
+/// Returns the first wrong answer.
+pub fn play(seed: u64) -> Result<Mix, String> {
     let told = |e: &dyn std::fmt::Display| e.to_string();
     let mut rng = Rng::new(seed);
     let mut mix = Mix::default();

@@ -7,12 +7,12 @@
 //! is a wall, and one contact must lie along its normal at the distance of the wall.
 
 use std::collections::BTreeSet;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::driven::slots::union_of;
 use crate::pose::{norm, scale};
 use crate::rng::Rng;
 use crate::soups::Soup;
+use crate::tally::Tally;
 use crate::{Point, Pose};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{
@@ -26,47 +26,30 @@ pub const OVERLAPS: [f64; 4] = [0.0, 1e-12, 1e-6, 1e-3];
 /// Rounding error of a contact, relative to the size of the pair.
 const ROUNDING: f64 = 4.0 * 64.0 / (1u64 << 53) as f64;
 
-/// Counts of the overlaps of a run.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Overlaps judged.
-    pub overlaps: u64,
-    /// Contacts judged.
-    pub contacts: u64,
-    /// Walls whose contact was found.
-    pub walls: u64,
-    /// Overlaps pressed into two or three walls.
-    pub inner: u64,
-    /// Bodies that are closed meshes.
-    pub meshes: u64,
-    /// Meshes inside out, wholly or in some components.
-    pub inward: u64,
-    /// Bodies of pieces.
-    pub compounds: u64,
-    /// Bodies of voxels.
-    pub voxels: u64,
-    /// Convex bodies, curved ones included.
-    pub convex: u64,
-    /// Depths compared with the truth.
-    pub depths: u64,
-}
-
-impl Mix {
-    /// Adds the counts of another run.
-    pub fn add(&mut self, o: &Self) {
-        let pairs = [
-            (&mut self.overlaps, o.overlaps),
-            (&mut self.contacts, o.contacts),
-            (&mut self.walls, o.walls),
-            (&mut self.inner, o.inner),
-            (&mut self.meshes, o.meshes),
-            (&mut self.inward, o.inward),
-            (&mut self.compounds, o.compounds),
-            (&mut self.voxels, o.voxels),
-            (&mut self.convex, o.convex),
-            (&mut self.depths, o.depths),
-        ];
-        pairs.into_iter().for_each(|(sum, n)| *sum += n);
+crate::tally! {
+    /// Counts of the overlaps of a run.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Overlaps judged.
+        pub overlaps: u64,
+        /// Contacts judged.
+        pub contacts: u64,
+        /// Walls whose contact was found.
+        pub walls: u64,
+        /// Overlaps pressed into two or three walls.
+        pub inner: u64,
+        /// Bodies that are closed meshes.
+        pub meshes: u64,
+        /// Meshes inside out, wholly or in some components.
+        pub inward: u64,
+        /// Bodies of pieces.
+        pub compounds: u64,
+        /// Bodies of voxels.
+        pub voxels: u64,
+        /// Convex bodies, curved ones included.
+        pub convex: u64,
+        /// Depths compared with the truth.
+        pub depths: u64,
     }
 }
 
@@ -335,10 +318,6 @@ fn position(rng: &mut Rng, a: &Body, b: &Body) -> Option<(Cell, Vec<Cell>)> {
 ///
 /// Returns the fault.
 pub fn play(seed: u64) -> Result<Mix, String> {
-    catch_unwind(AssertUnwindSafe(|| press(seed))).unwrap_or_else(|_| Err("a panic".to_owned()))
-}
-
-fn press(seed: u64) -> Result<Mix, String> {
     let (mut rng, mut mix) = (Rng::new(seed), Mix::default());
     let a = Body::new(cornered(&mut rng));
     let b = Body::new(match rng.below(6) {

@@ -8,7 +8,6 @@ use crate::near_points::{MESH_KINDS, POINT_KINDS, hard_mesh, hard_point, is_betw
 use crate::rng::Rng;
 use lin_canny::nalgebra::Point3;
 use lin_canny::{ContactState, Mesh, PointOutcome, PointQuery, PointTracker};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Points of a mesh.
 const EACH: usize = 12;
@@ -16,33 +15,22 @@ const EACH: usize = 12;
 /// Promised width of the bounds, relative to the size of mesh and point.
 const WIDTH: f64 = 2e-14;
 
-/// Counts of the results; if a count is zero, its ingredient was not tested.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Meshes.
-    pub meshes: u64,
-    /// Points outside, on and inside.
-    pub places: [u64; 3],
-}
-
-impl Mix {
-    /// Adds the counts of other meshes.
-    pub fn add(&mut self, o: &Self) {
-        self.meshes += o.meshes;
-        self.places.iter_mut().zip(o.places).for_each(|(x, y)| *x += y);
+crate::tally! {
+    /// Counts of the results; if a count is zero, its ingredient was not tested.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Meshes.
+        pub meshes: u64,
+        /// Points outside, on and inside.
+        pub places: [u64; 3],
     }
 }
 
 /// Plays a mesh.
 ///
 /// # Errors
-/// Returns the first wrong answer, or a panic.
+/// Returns the first wrong answer.
 pub fn play(seed: u64) -> Result<Mix, String> {
-    let played = catch_unwind(AssertUnwindSafe(|| mesh(seed)));
-    played.unwrap_or_else(|_| Err("a panic".to_owned()))
-}
-
-fn mesh(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let kind = rng.below(MESH_KINDS);
     let scale = *rng.pick(&[1.0, 1.0, 2e-100, 1e-30, 3e50, 1e99]);

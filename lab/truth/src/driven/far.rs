@@ -16,50 +16,28 @@ use lin_canny::{
     Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, Geometry, ManifoldOptions, Mesh, PairTracker, Piece,
     PointQuery, Ray, RayCast, RayCaster, RelativePose, Shape,
 };
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Counts of the results; if a count is zero, its ingredient was not tested.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Pairs that are separated, touch, and overlap.
-    pub states: [u64; 3],
-    /// Bodies that are hulls, meshes, compounds in place and with poses, and clouds.
-    pub kinds: [u64; 5],
-    /// Pairs at most a millionth of their size apart, or that deep.
-    pub near: u64,
-    /// Points.
-    pub points: u64,
-    /// Rays that hit.
-    pub rays: u64,
-    /// Depths of pairs.
-    pub depths: u64,
-    /// Pairs with contacts.
-    pub contacts: u64,
-    /// The widest interval of a distance, in units of 1e-13 L.
-    pub widest: f64,
-}
-
-impl Mix {
-    /// Adds the counts of other pairs.
-    pub fn add(&mut self, o: &Self) {
-        self.states.iter_mut().zip(o.states).for_each(|(x, y)| *x += y);
-        self.kinds.iter_mut().zip(o.kinds).for_each(|(x, y)| *x += y);
-        self.near += o.near;
-        self.points += o.points;
-        self.rays += o.rays;
-        self.depths += o.depths;
-        self.contacts += o.contacts;
-        self.widest = self.widest.max(o.widest);
+crate::tally! {
+    /// Counts of the results; if a count is zero, its ingredient was not tested.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Pairs that are separated, touch, and overlap.
+        pub states: [u64; 3],
+        /// Bodies that are hulls, meshes, compounds in place and with poses, and clouds.
+        pub kinds: [u64; 5],
+        /// Pairs at most a millionth of their size apart, or that deep.
+        pub near: u64,
+        /// Points.
+        pub points: u64,
+        /// Rays that hit.
+        pub rays: u64,
+        /// Depths of pairs.
+        pub depths: u64,
+        /// Pairs with contacts.
+        pub contacts: u64,
+        /// The widest interval of a distance, in units of 1e-13 L.
+        pub widest: f64,
     }
-}
-
-/// Plays a pair.
-///
-/// # Errors
-/// Returns the first wrong answer, or a panic.
-pub fn play(seed: u64) -> Result<Mix, String> {
-    let played = catch_unwind(AssertUnwindSafe(|| pair(seed)));
-    played.unwrap_or_else(|_| Err("a panic".to_owned()))
 }
 
 /// A convex solid far from the origin of its frame.
@@ -224,7 +202,11 @@ fn height(solid: &Solid, pose: &Pose, n: Point) -> f64 {
     dot(n, middle) + top
 }
 
-fn pair(seed: u64) -> Result<Mix, String> {
+/// Plays a pair.
+///
+/// # Errors
+/// Returns the first wrong answer.
+pub fn play(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let mut mix = Mix::default();
     let offset = |rng: &mut Rng| {

@@ -11,41 +11,28 @@ use crate::rng::Rng;
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
 use lin_canny::nalgebra::{Point3, Vector3};
 
-/// Counts of some sequences; if a count is zero, its ingredient was not tested.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Sequences played.
-    pub sequences: u64,
-    /// Steps judged.
-    pub steps: u64,
-    /// Pairs of all steps.
-    pub pairs: u64,
-    /// Events of all steps.
-    pub events: u64,
-    /// Bodies moved by more than one unit along an axis.
-    pub jumps: u64,
-    /// Bodies moved by less.
-    pub slides: u64,
-    /// Bodies that were given the index of a removed body.
-    pub reused: u64,
-    /// Worlds rotated as a whole to another axis.
-    pub turns: u64,
-    /// Steps in which at most a tenth of the bodies were changed.
-    pub quiet: u64,
-}
-
-impl Mix {
-    /// Adds the counts of other sequences.
-    pub fn add(&mut self, other: &Self) {
-        self.sequences += other.sequences;
-        self.steps += other.steps;
-        self.pairs += other.pairs;
-        self.events += other.events;
-        self.jumps += other.jumps;
-        self.slides += other.slides;
-        self.reused += other.reused;
-        self.turns += other.turns;
-        self.quiet += other.quiet;
+crate::tally! {
+    /// Counts of some sequences; if a count is zero, its ingredient was not tested.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Sequences played.
+        pub sequences: u64,
+        /// Steps judged.
+        pub steps: u64,
+        /// Pairs of all steps.
+        pub pairs: u64,
+        /// Events of all steps.
+        pub events: u64,
+        /// Bodies moved by more than one unit along an axis.
+        pub jumps: u64,
+        /// Bodies moved by less.
+        pub slides: u64,
+        /// Bodies that were given the index of a removed body.
+        pub reused: u64,
+        /// Worlds rotated as a whole to another axis.
+        pub turns: u64,
+        /// Steps in which at most a tenth of the bodies were changed.
+        pub quiet: u64,
     }
 }
 

@@ -15,7 +15,6 @@ use lin_canny_plan::{
     Cell, CellBody, CellPair, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree,
     PlanError, RangeAnswer, RangeOptions, RangeProver, RangeVerdict, TimedPoses, TreeJoint, Verdict,
 };
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Bounds within this of what a pair must keep leave the judge undecided. Bodies have a size of
 /// about 1.
@@ -33,47 +32,31 @@ const TIMES: u32 = 24;
 /// First and last time of a moving obstacle.
 const CLOCK: [f64; 2] = [-1.0, 3.0];
 
-/// Counts of the results; if a count is zero, its ingredient was not tested.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Worlds, and those with a moving obstacle.
-    pub worlds: [u64; 2],
-    /// Changes made and changes rejected.
-    pub changes: [u64; 2],
-    /// Configurations that are free and that are not.
-    pub configurations: [u64; 2],
-    /// Segments that are free, blocked, undecided.
-    pub segments: [u64; 3],
-    /// Curves that are free, blocked, undecided.
-    pub curves: [u64; 3],
-    /// Ranges of pairs that never, always or both meet, or are open.
-    pub ranges: [u64; 4],
-}
-
-impl Mix {
-    /// Adds the counts of other worlds.
-    pub fn add(&mut self, o: &Self) {
-        let lists = [
-            (&mut self.worlds[..], &o.worlds[..]),
-            (&mut self.changes, &o.changes),
-            (&mut self.configurations, &o.configurations),
-            (&mut self.segments, &o.segments),
-            (&mut self.curves, &o.curves),
-            (&mut self.ranges, &o.ranges),
-        ];
-        for (mine, theirs) in lists {
-            mine.iter_mut().zip(theirs).for_each(|(x, y)| *x += y);
-        }
+crate::tally! {
+    /// Counts of the results; if a count is zero, its ingredient was not tested.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Worlds, and those with a moving obstacle.
+        pub worlds: [u64; 2],
+        /// Changes made and changes rejected.
+        pub changes: [u64; 2],
+        /// Configurations that are free and that are not.
+        pub configurations: [u64; 2],
+        /// Segments that are free, blocked, undecided.
+        pub segments: [u64; 3],
+        /// Curves that are free, blocked, undecided.
+        pub curves: [u64; 3],
+        /// Ranges of pairs that never, always or both meet, or are open.
+        pub ranges: [u64; 4],
     }
 }
 
 /// Plays a world.
 ///
 /// # Errors
-/// Returns the first wrong answer, or a panic.
+/// Returns the first wrong answer.
 pub fn play(seed: u64) -> Result<Mix, String> {
-    let played = catch_unwind(AssertUnwindSafe(|| Play::new(seed).and_then(Play::rounds)));
-    played.unwrap_or_else(|_| Err("a panic".to_owned()))
+    Play::new(seed)?.rounds()
 }
 
 fn told(error: PlanError) -> String {

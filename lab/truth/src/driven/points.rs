@@ -5,8 +5,6 @@
 //! random ray that meets no edge counts the winding number. A ray meets a mesh at a vertex, at an
 //! edge or inside a triangle; the judge tests each case separately.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{
     Compound, ContactState, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose, Shape,
@@ -22,39 +20,26 @@ use crate::{Point, Pose};
 /// Number of points, and of rays, per mesh.
 const EACH: usize = 6;
 
-/// Counts of the results; if a count is zero, its ingredient was not tested.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Meshes.
-    pub meshes: u64,
-    /// Points outside, on and inside.
-    pub points: [u64; 3],
-    /// Segments and tetrahedra with a vertex at such a point: separated and meeting.
-    pub small: [u64; 2],
-    /// Small bodies that the judge does not decide, left out.
-    pub skipped: u64,
-    /// Rays at meshes: misses, hits, starts inside.
-    pub rays: [u64; 3],
-    /// Rays that meet a vertex or an edge exactly.
-    pub through: u64,
-    /// Rays that pass a vertex within `1e-12` of the size and miss.
-    pub grazing: u64,
-    /// Rays at hulls: misses, hits, starts inside, undecided.
-    pub hull_rays: [u64; 4],
-}
-
-impl Mix {
-    /// Adds the counts of other meshes.
-    pub fn add(&mut self, o: &Self) {
-        let sum = |to: &mut [u64], of: &[u64]| to.iter_mut().zip(of).for_each(|(x, y)| *x += y);
-        self.meshes += o.meshes;
-        sum(&mut self.points, &o.points);
-        sum(&mut self.small, &o.small);
-        self.skipped += o.skipped;
-        sum(&mut self.rays, &o.rays);
-        self.through += o.through;
-        self.grazing += o.grazing;
-        sum(&mut self.hull_rays, &o.hull_rays);
+crate::tally! {
+    /// Counts of the results; if a count is zero, its ingredient was not tested.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Meshes.
+        pub meshes: u64,
+        /// Points outside, on and inside.
+        pub points: [u64; 3],
+        /// Segments and tetrahedra with a vertex at such a point: separated and meeting.
+        pub small: [u64; 2],
+        /// Small bodies that the judge does not decide, left out.
+        pub skipped: u64,
+        /// Rays at meshes: misses, hits, starts inside.
+        pub rays: [u64; 3],
+        /// Rays that meet a vertex or an edge exactly.
+        pub through: u64,
+        /// Rays that pass a vertex within `1e-12` of the size and miss.
+        pub grazing: u64,
+        /// Rays at hulls: misses, hits, starts inside, undecided.
+        pub hull_rays: [u64; 4],
     }
 }
 
@@ -63,9 +48,7 @@ impl Mix {
 /// # Errors
 /// Returns the first wrong answer.
 pub fn play(seed: u64) -> Result<Mix, String> {
-    let played = catch_unwind(AssertUnwindSafe(|| World::new(seed).and_then(World::play)));
-    let told = |e| format!("seed {seed}: {e}");
-    played.unwrap_or_else(|_| Err("a panic".to_owned())).map_err(told)
+    World::new(seed)?.play()
 }
 
 /// A mesh at a pose.

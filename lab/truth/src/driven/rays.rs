@@ -27,19 +27,13 @@ pub const KINDS: usize = 5;
 /// Error of a position on a ray at a cloud, in units of the coordinates.
 const ROUNDING: f64 = 1e-14;
 
-/// Counts of the rays at polygons, hulls, meshes, half-spaces and clouds: misses, hits, starts
-/// inside, undecided.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Counts by kind.
-    pub rays: [[u64; 4]; KINDS],
-}
-
-impl Mix {
-    /// Adds the counts of other bodies.
-    pub fn add(&mut self, o: &Self) {
-        let both = self.rays.iter_mut().zip(o.rays);
-        both.for_each(|(to, of)| to.iter_mut().zip(of).for_each(|(x, y)| *x += y));
+crate::tally! {
+    /// Counts of the rays at polygons, hulls, meshes, half-spaces and clouds: misses, hits, starts
+    /// inside, undecided.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Counts by kind.
+        pub rays: [[u64; 4]; KINDS],
     }
 }
 

@@ -5,8 +5,6 @@
 //! decides the normal of such a triangle, so the closest point on it may be computed anywhere on
 //! its line. On the axes the normal is exactly zero, which is harmless: the lines must be oblique.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use dashu_ratio::RBig;
 use lin_canny::nalgebra::Point3;
 use lin_canny::{ContactState, Mesh, PairTracker, RelativePose};
@@ -25,38 +23,26 @@ const FRAMES: usize = 3;
 /// Largest width of the bounds, relative to the size of the pair.
 const WIDTH: f64 = 1e-12;
 
-/// Counts of the meshes of a run.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Meshes built, or bent to slivers.
-    pub meshes: u64,
-    /// Meshes that had ordinary triangles when built.
-    pub bent: u64,
-    /// Triangles with vertices on a line up to rounding.
-    pub slivers: u64,
-    /// Poses judged.
-    pub frames: u64,
-    /// Frames in which the exact distance is positive.
-    pub apart: u64,
-    /// Frames in which two meshes share a point.
-    pub meeting: u64,
-    /// Pairs of triangles of one mesh that were judged.
-    pub own: u64,
-    /// Predicates tested at a distance and at both adjacent floating-point numbers.
-    pub predicates: u64,
-}
-
-impl Mix {
-    /// Adds the counts of another run.
-    pub fn add(&mut self, o: &Self) {
-        self.meshes += o.meshes;
-        self.bent += o.bent;
-        self.slivers += o.slivers;
-        self.frames += o.frames;
-        self.apart += o.apart;
-        self.meeting += o.meeting;
-        self.own += o.own;
-        self.predicates += o.predicates;
+crate::tally! {
+    /// Counts of the meshes of a run.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Meshes built, or bent to slivers.
+        pub meshes: u64,
+        /// Meshes that had ordinary triangles when built.
+        pub bent: u64,
+        /// Triangles with vertices on a line up to rounding.
+        pub slivers: u64,
+        /// Poses judged.
+        pub frames: u64,
+        /// Frames in which the exact distance is positive.
+        pub apart: u64,
+        /// Frames in which two meshes share a point.
+        pub meeting: u64,
+        /// Pairs of triangles of one mesh that were judged.
+        pub own: u64,
+        /// Predicates tested at a distance and at both adjacent floating-point numbers.
+        pub predicates: u64,
     }
 }
 
@@ -170,10 +156,6 @@ fn around(square: &RBig) -> [f64; 5] {
 ///
 /// Returns the fault, with all numbers.
 pub fn play(seed: u64) -> Result<Mix, String> {
-    catch_unwind(AssertUnwindSafe(|| poses(seed))).unwrap_or_else(|_| Err("a panic".to_owned()))
-}
-
-fn poses(seed: u64) -> Result<Mix, String> {
     let (mut rng, mut mix) = (Rng::new(seed), Mix::default());
     let place = Place::new(&mut rng);
     // Of any size, both meshes alike.

@@ -8,7 +8,6 @@
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::pose::{norm, scale};
 use crate::rng::Rng;
@@ -20,44 +19,30 @@ use lin_canny::{Compound, ContactState, Geometry, Mesh, MeshKind, PairTracker, P
 /// Largest error of a bound of a depth, relative to the size of the pair.
 const ERROR: f64 = 1e-6;
 
-/// Counts of the pins of a run.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Pins judged.
-    pub pins: u64,
-    /// Connected U-shaped bodies.
-    pub joined: u64,
-    /// Bodies of two blocks.
-    pub blocks: u64,
-    /// Pipes through doors.
-    pub doors: u64,
-    /// Pairs of two meshes.
-    pub meshes: u64,
-    /// Pairs with a compound.
-    pub pieces: u64,
-    /// Pairs in which no vertex of one body is inside the other.
-    pub bare: u64,
-    /// Depths below a thousandth of the size.
-    pub shallow: u64,
-    /// Meshes with more than 100 triangles.
-    pub fine: u64,
-    /// Pairs queried in the other order.
-    pub exchanged: u64,
-}
-
-impl Mix {
-    /// Adds the counts of other pins.
-    pub fn add(&mut self, o: &Self) {
-        self.pins += o.pins;
-        self.joined += o.joined;
-        self.blocks += o.blocks;
-        self.doors += o.doors;
-        self.meshes += o.meshes;
-        self.pieces += o.pieces;
-        self.bare += o.bare;
-        self.shallow += o.shallow;
-        self.fine += o.fine;
-        self.exchanged += o.exchanged;
+crate::tally! {
+    /// Counts of the pins of a run.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Pins judged.
+        pub pins: u64,
+        /// Connected U-shaped bodies.
+        pub joined: u64,
+        /// Bodies of two blocks.
+        pub blocks: u64,
+        /// Pipes through doors.
+        pub doors: u64,
+        /// Pairs of two meshes.
+        pub meshes: u64,
+        /// Pairs with a compound.
+        pub pieces: u64,
+        /// Pairs in which no vertex of one body is inside the other.
+        pub bare: u64,
+        /// Depths below a thousandth of the size.
+        pub shallow: u64,
+        /// Meshes with more than 100 triangles.
+        pub fine: u64,
+        /// Pairs queried in the other order.
+        pub exchanged: u64,
     }
 }
 
@@ -266,10 +251,6 @@ impl Body {
 ///
 /// Returns the fault.
 pub fn play(seed: u64) -> Result<Mix, String> {
-    catch_unwind(AssertUnwindSafe(|| pin(seed))).unwrap_or_else(|_| Err("a panic".to_owned()))
-}
-
-fn pin(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let mut mix = Mix::default();
     let slot = match rng.below(3) {

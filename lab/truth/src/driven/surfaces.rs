@@ -12,7 +12,6 @@ use crate::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{PairTracker, QueryOptions, RelativePose};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Frames of a motion.
 const FRAMES: usize = 6;
@@ -23,33 +22,17 @@ const GRID: u32 = 12;
 /// Error of points and bounds: surfaces have a size of about 2.
 const NOISE: f64 = 1e-9;
 
-/// Counts of the results; if a count is zero, its ingredient was not tested.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Frames with the surfaces apart, and those that may touch.
-    pub frames: [u64; 2],
-    /// Frames at which the judge came within `1e-6` of the upper bound.
-    pub reached: u64,
-    /// Frames with bounds wider than requested.
-    pub wide: u64,
-}
-
-impl Mix {
-    /// Adds the counts of other surfaces.
-    pub fn add(&mut self, o: &Self) {
-        self.frames.iter_mut().zip(o.frames).for_each(|(x, y)| *x += y);
-        self.reached += o.reached;
-        self.wide += o.wide;
+crate::tally! {
+    /// Counts of the results; if a count is zero, its ingredient was not tested.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Frames with the surfaces apart, and those that may touch.
+        pub frames: [u64; 2],
+        /// Frames at which the judge came within `1e-6` of the upper bound.
+        pub reached: u64,
+        /// Frames with bounds wider than requested.
+        pub wide: u64,
     }
-}
-
-/// Plays a pair of surfaces.
-///
-/// # Errors
-/// Returns the first wrong answer, or a panic.
-pub fn play(seed: u64) -> Result<Mix, String> {
-    let played = catch_unwind(AssertUnwindSafe(|| pair(seed)));
-    played.unwrap_or_else(|_| Err("a panic".to_owned()))
 }
 
 fn surface(rng: &mut Rng) -> Result<BezierSurface, String> {
@@ -102,7 +85,11 @@ fn least(a: &BezierPatch, b: &BezierPatch, pose: &Isometry3<f64>) -> f64 {
     best
 }
 
-fn pair(seed: u64) -> Result<Mix, String> {
+/// Plays a pair of surfaces.
+///
+/// # Errors
+/// Returns the first wrong answer.
+pub fn play(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let mut mix = Mix::default();
     let (a, b) = (surface(&mut rng)?, surface(&mut rng)?);

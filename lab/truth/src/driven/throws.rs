@@ -8,7 +8,6 @@ use lin_canny::impact::{Certificate, Impact, Tolerance, cast_with_certificates};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::separation::Separation;
 use lin_canny::{ConvexPolyhedron, Geometry, Mesh, Outcome, PairTracker, RelativePose, Shape, Tracker};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Times at which a cast is judged.
 const TIMES: u32 = 64;
@@ -16,36 +15,24 @@ const TIMES: u32 = 64;
 /// Error of bounds, for bodies of size 1 a few units apart.
 const NOISE: f64 = 1e-11;
 
-/// Counts of the results; if a count is zero, its ingredient was not tested.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Casts that hit, miss, start in contact, and others.
-    pub casts: [u64; 4],
-    /// Casts of two polyhedra, of curved shapes, of meshes.
-    pub kinds: [u64; 3],
-    /// Certificates with a plane that were judged at sampled times.
-    pub planes: u64,
-}
-
-impl Mix {
-    /// Adds the counts of other throws.
-    pub fn add(&mut self, o: &Self) {
-        self.casts.iter_mut().zip(o.casts).for_each(|(x, y)| *x += y);
-        self.kinds.iter_mut().zip(o.kinds).for_each(|(x, y)| *x += y);
-        self.planes += o.planes;
+crate::tally! {
+    /// Counts of the results; if a count is zero, its ingredient was not tested.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Casts that hit, miss, start in contact, and others.
+        pub casts: [u64; 4],
+        /// Casts of two polyhedra, of curved shapes, of meshes.
+        pub kinds: [u64; 3],
+        /// Certificates with a plane that were judged at sampled times.
+        pub planes: u64,
     }
 }
 
 /// Plays a throw of two bodies.
 ///
 /// # Errors
-/// Returns the first wrong answer, or a panic.
+/// Returns the first wrong answer.
 pub fn play(seed: u64) -> Result<Mix, String> {
-    let played = catch_unwind(AssertUnwindSafe(|| throw(seed)));
-    played.unwrap_or_else(|_| Err("a panic".to_owned()))
-}
-
-fn throw(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let mut mix = Mix::default();
     let mut body = || {

@@ -18,23 +18,16 @@ use crate::{Point, Pose};
 /// Number of points per compound.
 pub const EACH: u64 = 25;
 
-/// Counts of the points, and the widest bounds.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Points outside, on the surface, inside.
-    pub points: [u64; 3],
-    /// Points whose side rounding hides.
-    pub undecided: u64,
-    /// Widest bounds of a distance from outside, in lengths of the pair.
-    pub widest: f64,
-}
-
-impl Mix {
-    /// Adds the counts of other compounds.
-    pub fn add(&mut self, o: &Self) {
-        self.points.iter_mut().zip(o.points).for_each(|(x, y)| *x += y);
-        self.undecided += o.undecided;
-        self.widest = self.widest.max(o.widest);
+crate::tally! {
+    /// Counts of the points, and the widest bounds.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Points outside, on the surface, inside.
+        pub points: [u64; 3],
+        /// Points whose side rounding hides.
+        pub undecided: u64,
+        /// Widest bounds of a distance from outside, in lengths of the pair.
+        pub widest: f64,
     }
 }
 

@@ -7,39 +7,29 @@ use crate::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{ContactState, ConvexPolyhedron, RelativePose, Tracker};
 use std::cmp::Ordering;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Counts of the results; if a count is zero, its ingredient was not tested.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Tips outside and inside of a wall.
-    pub tips: [u64; 2],
-    /// Pairs that are a few of the least numbers apart, and pairs that touch.
-    pub corners: [u64; 2],
-}
-
-impl Mix {
-    /// Adds the counts of other pairs.
-    pub fn add(&mut self, o: &Self) {
-        self.tips.iter_mut().zip(o.tips).for_each(|(x, y)| *x += y);
-        self.corners.iter_mut().zip(o.corners).for_each(|(x, y)| *x += y);
+crate::tally! {
+    /// Counts of the results; if a count is zero, its ingredient was not tested.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Tips outside and inside of a wall.
+        pub tips: [u64; 2],
+        /// Pairs that are a few of the least numbers apart, and pairs that touch.
+        pub corners: [u64; 2],
     }
 }
 
 /// Plays a tip next to a wall and two corners next to each other.
 ///
 /// # Errors
-/// Returns the first wrong answer, or a panic.
+/// Returns the first wrong answer.
 pub fn play(seed: u64) -> Result<Mix, String> {
-    let played = catch_unwind(AssertUnwindSafe(|| {
-        let mut rng = Rng::new(seed);
-        let mut mix = Mix::default();
-        mix.tips[usize::from(tip(&mut rng)?)] += 1;
-        let extents = [0; 2].map(|_| *rng.pick(&EXTENTS));
-        mix.corners[usize::from(corners(extents, &mut rng)?)] += 1;
-        Ok(mix)
-    }));
-    played.unwrap_or_else(|_| Err("a panic".to_owned()))
+    let mut rng = Rng::new(seed);
+    let mut mix = Mix::default();
+    mix.tips[usize::from(tip(&mut rng)?)] += 1;
+    let extents = [0; 2].map(|_| *rng.pick(&EXTENTS));
+    mix.corners[usize::from(corners(extents, &mut rng)?)] += 1;
+    Ok(mix)
 }
 
 /// Judges a tetrahedron that is rotated by almost nothing about two axes, whose tip is as slightly

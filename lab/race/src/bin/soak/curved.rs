@@ -16,29 +16,20 @@ use truth::rng::Rng;
 const ASPECT: f64 = 30.0;
 const WIDTH: f64 = 1e-13;
 
-/// Counts of the curved motions of a run.
-#[derive(Default, Debug)]
-pub(crate) struct Mix {
-    pub(crate) frames: u64,
-    pub(crate) queries: u64,
-    /// Separated, touching, overlapping, undecided.
-    pub(crate) classes: [u64; 4],
-    /// Frames of separated shapes that a solver after the first one answered.
-    pub(crate) beyond: u64,
-    /// Frames of pairs with a rounded shape.
-    pub(crate) rounded: u64,
-    /// Largest width of the bounds of separated shapes, relative to the size of the pair.
-    pub(crate) widest: f64,
-}
-
-impl Mix {
-    pub(crate) fn add(&mut self, o: &Self) {
-        self.frames += o.frames;
-        self.queries += o.queries;
-        self.classes.iter_mut().zip(o.classes).for_each(|(s, n)| *s += n);
-        self.beyond += o.beyond;
-        self.rounded += o.rounded;
-        self.widest = self.widest.max(o.widest);
+truth::tally! {
+    /// Counts of the curved motions of a run.
+    #[derive(Default, Debug)]
+    pub(crate) struct Mix {
+        pub(crate) frames: u64,
+        pub(crate) queries: u64,
+        /// Separated, touching, overlapping, undecided.
+        pub(crate) classes: [u64; 4],
+        /// Frames of separated shapes that a solver after the first one answered.
+        pub(crate) beyond: u64,
+        /// Frames of pairs with a rounded shape.
+        pub(crate) rounded: u64,
+        /// Largest width of the bounds of separated shapes, relative to the size of the pair.
+        pub(crate) widest: f64,
     }
 }
 

@@ -1,8 +1,6 @@
 //! Meshes with the faults of real files at random poses; each answer is judged by brute force on
 //! the mesh without the faults.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use lin_canny::nalgebra::Point3;
 use lin_canny::{ContactState, Mesh, MeshKind, PairTracker, RelativePose};
 use truth::faults::{faulty, on_grid};
@@ -14,23 +12,16 @@ use truth::{Pose, brute};
 /// Poses of a pair.
 const POSES: usize = 8;
 
-/// Counts of the faulty meshes of a run.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Mix {
-    pub(crate) meshes: u64,
-    pub(crate) frames: u64,
-    /// Frames in which one mesh is entirely inside the other.
-    pub(crate) contained: u64,
-    /// Frames in which the surfaces cross.
-    pub(crate) crossing: u64,
-}
-
-impl Mix {
-    pub(crate) fn add(&mut self, o: &Self) {
-        self.meshes += o.meshes;
-        self.frames += o.frames;
-        self.contained += o.contained;
-        self.crossing += o.crossing;
+truth::tally! {
+    /// Counts of the faulty meshes of a run.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub(crate) struct Mix {
+        pub(crate) meshes: u64,
+        pub(crate) frames: u64,
+        /// Frames in which one mesh is entirely inside the other.
+        pub(crate) contained: u64,
+        /// Frames in which the surfaces cross.
+        pub(crate) crossing: u64,
     }
 }
 
@@ -56,10 +47,6 @@ fn mesh(soup: &Soup) -> Result<Mesh, String> {
 
 /// Plays a pair. The error is the failure.
 pub(crate) fn play(seed: u64) -> Result<Mix, String> {
-    catch_unwind(AssertUnwindSafe(|| poses(seed))).unwrap_or_else(|_| Err("a panic".to_owned()))
-}
-
-fn poses(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let shape = clean(&mut rng);
     // A small body is often entirely inside.

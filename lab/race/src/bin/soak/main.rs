@@ -40,6 +40,7 @@ use truth::driven::{
 use truth::motion::Frame;
 use truth::rng::Rng;
 use truth::support;
+use truth::tally::Tally as _;
 
 /// Test random bodies in random motions and check every frame with independent arithmetic
 ///
@@ -446,7 +447,7 @@ fn soak(options: &Options) -> (Tally, f64) {
         while began.elapsed() < limit {
             let tally = run(options, next.fetch_add(1, Ordering::Relaxed));
             let mut sum = sum.lock().expect("no thread panics with the sum");
-            sum.add(tally);
+            sum.add(&tally);
             bar.steps(began.elapsed().as_secs().saturating_sub(bar.done()));
             bar.say(&format!("{} queries, {} failures", sum.queries, sum.failures));
         }

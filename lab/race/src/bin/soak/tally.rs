@@ -22,66 +22,68 @@ const LAYERS: [&str; 7] = [
     "surface",
 ];
 
-#[derive(Default)]
-pub(crate) struct Tally {
-    pub(crate) trials: u64,
-    /// Frames of motions, each judged.
-    pub(crate) frames: u64,
-    /// Calls of the crate, including the calls that are compared with a frame's outcome.
-    pub(crate) queries: u64,
-    /// Frames judged by exact arithmetic.
-    pub(crate) exactly: u64,
-    /// Frames compared with the true distance of the oracle.
-    pub(crate) truths: u64,
-    pub(crate) failures: u64,
-    /// Manifolds judged.
-    pub(crate) manifolds: u64,
-    /// Worlds of equal boxes.
-    pub(crate) worlds: Mix,
-    /// Calls of the broad phase.
-    pub(crate) calls: calls::Tally,
-    /// Bodies of random bytes.
-    pub(crate) bytes: bytes::Tally,
-    /// Scenes of bodies of every kind.
-    pub(crate) scenes: scenes::Mix,
-    /// Motions of curved shapes.
-    pub(crate) curves: curved::Mix,
-    /// Meshes with faults.
-    pub(crate) faulty: faulty::Mix,
-    /// Meshes of slivers.
-    pub(crate) slivers: slivers::Mix,
-    /// Solids with faces in common.
-    pub(crate) solids: solids::Mix,
-    /// Bodies in inner corners.
-    pub(crate) corners: corners::Mix,
-    /// Points and rays next to closed meshes.
-    pub(crate) points: points::Mix,
-    /// Rays at bodies of every kind.
-    pub(crate) rays: rays::Mix,
-    /// Points on rotated pieces of compounds.
-    pub(crate) turned_boxes: turned_boxes::Mix,
-    /// Stand-in bodies.
-    pub(crate) stand_ins: stand_ins::Mix,
-    /// Bodies thrown at each other.
-    pub(crate) throws: throws::Mix,
-    /// Signed distances of points.
-    pub(crate) distances: distances::Mix,
-    /// Polyhedra whose distance underflows.
-    pub(crate) underflows: underflow::Mix,
-    /// Clouds.
-    pub(crate) clouds: clouds::Mix,
-    /// Bodies far from the origins of their frames.
-    pub(crate) far: far::Mix,
-    /// Pairs of surfaces.
-    pub(crate) surfaces: surfaces::Mix,
-    /// Worlds of the planner.
-    pub(crate) planner: planner::Mix,
-    /// Nanoseconds of the slowest query, and its trial.
-    pub(crate) slowest: (u128, u64),
-    classes: [u64; 4],
-    layers: [u64; 7],
-    bodies: BTreeMap<&'static str, u64>,
-    motions: BTreeMap<&'static str, [u64; 4]>,
+truth::tally! {
+    #[derive(Default)]
+    pub(crate) struct Tally {
+        pub(crate) trials: u64,
+        /// Frames of motions, each judged.
+        pub(crate) frames: u64,
+        /// Calls of the crate, including the calls that are compared with a frame's outcome.
+        pub(crate) queries: u64,
+        /// Frames judged by exact arithmetic.
+        pub(crate) exactly: u64,
+        /// Frames compared with the true distance of the oracle.
+        pub(crate) truths: u64,
+        pub(crate) failures: u64,
+        /// Manifolds judged.
+        pub(crate) manifolds: u64,
+        /// Worlds of equal boxes.
+        pub(crate) worlds: Mix,
+        /// Calls of the broad phase.
+        pub(crate) calls: calls::Tally,
+        /// Bodies of random bytes.
+        pub(crate) bytes: bytes::Tally,
+        /// Scenes of bodies of every kind.
+        pub(crate) scenes: scenes::Mix,
+        /// Motions of curved shapes.
+        pub(crate) curves: curved::Mix,
+        /// Meshes with faults.
+        pub(crate) faulty: faulty::Mix,
+        /// Meshes of slivers.
+        pub(crate) slivers: slivers::Mix,
+        /// Solids with faces in common.
+        pub(crate) solids: solids::Mix,
+        /// Bodies in inner corners.
+        pub(crate) corners: corners::Mix,
+        /// Points and rays next to closed meshes.
+        pub(crate) points: points::Mix,
+        /// Rays at bodies of every kind.
+        pub(crate) rays: rays::Mix,
+        /// Points on rotated pieces of compounds.
+        pub(crate) turned_boxes: turned_boxes::Mix,
+        /// Stand-in bodies.
+        pub(crate) stand_ins: stand_ins::Mix,
+        /// Bodies thrown at each other.
+        pub(crate) throws: throws::Mix,
+        /// Signed distances of points.
+        pub(crate) distances: distances::Mix,
+        /// Polyhedra whose distance underflows.
+        pub(crate) underflows: underflow::Mix,
+        /// Clouds.
+        pub(crate) clouds: clouds::Mix,
+        /// Bodies far from the origins of their frames.
+        pub(crate) far: far::Mix,
+        /// Pairs of surfaces.
+        pub(crate) surfaces: surfaces::Mix,
+        /// Worlds of the planner.
+        pub(crate) planner: planner::Mix,
+        /// Nanoseconds of the slowest query, and its trial.
+        pub(crate) slowest: (u128, u64),
+        classes: [u64; 4],
+        layers: [u64; 7],
+        bodies: BTreeMap<&'static str, u64>,
+        motions: BTreeMap<&'static str, [u64; 4]>,
+    }
 }
 
 impl Tally {
@@ -95,44 +97,6 @@ impl Tally {
 
     pub(crate) fn body(&mut self, family: &'static str, frames: u64) {
         *self.bodies.entry(family).or_default() += frames;
-    }
-
-    pub(crate) fn add(&mut self, o: Self) {
-        self.trials += o.trials;
-        self.frames += o.frames;
-        self.queries += o.queries;
-        self.exactly += o.exactly;
-        self.truths += o.truths;
-        self.failures += o.failures;
-        self.manifolds += o.manifolds;
-        self.worlds.add(&o.worlds);
-        self.calls.add(&o.calls);
-        self.bytes.add(&o.bytes);
-        self.curves.add(&o.curves);
-        self.faulty.add(&o.faulty);
-        self.slivers.add(&o.slivers);
-        self.solids.add(&o.solids);
-        self.corners.add(&o.corners);
-        self.points.add(&o.points);
-        self.rays.add(&o.rays);
-        self.turned_boxes.add(&o.turned_boxes);
-        self.stand_ins.add(&o.stand_ins);
-        self.throws.add(&o.throws);
-        self.distances.add(&o.distances);
-        self.underflows.add(&o.underflows);
-        self.clouds.add(&o.clouds);
-        self.far.add(&o.far);
-        self.surfaces.add(&o.surfaces);
-        self.planner.add(&o.planner);
-        self.scenes.add(&o.scenes);
-        self.slowest = self.slowest.max(o.slowest);
-        self.classes.iter_mut().zip(o.classes).for_each(|(s, n)| *s += n);
-        self.layers.iter_mut().zip(o.layers).for_each(|(s, n)| *s += n);
-        o.bodies.into_iter().for_each(|(name, n)| self.body(name, n));
-        for (name, row) in o.motions {
-            let sum = self.motions.entry(name).or_default();
-            sum.iter_mut().zip(row).for_each(|(s, n)| *s += n);
-        }
     }
 
     /// Prints all counts; `seconds` is wall time.

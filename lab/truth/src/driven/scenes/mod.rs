@@ -21,68 +21,43 @@ use std::collections::{BTreeMap, BTreeSet};
 type Keys = BTreeSet<(BodyId, BodyId)>;
 type Motions = BTreeMap<BodyId, (Isometry3<f64>, Velocity)>;
 
-/// Counts of the results; if a count is zero, its ingredient was not tested.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Mix {
-    /// Worlds played.
-    pub worlds: u64,
-    /// Steps judged.
-    pub steps: u64,
-    /// Ticks, and the ticks in which no body has a velocity.
-    pub ticks: [u64; 2],
-    /// Bodies moved by `set_pose` after the tick of the step.
-    pub late: u64,
-    /// Bodies that were given the index of a removed body.
-    pub reused: u64,
-    /// Scenes read back between a tick and its step, and at other times.
-    pub saved: [u64; 2],
-    /// Calls rejected.
-    pub refused: u64,
-    /// Overlapping pairs, by kind of world.
-    pub overlapping: [u64; 4],
-    /// Pairs within the distance of the query.
-    pub within: u64,
-    /// Distances, and the distances of overlaps.
-    pub distances: [u64; 2],
-    /// Events of overlaps and of `within`.
-    pub events: u64,
-    /// Pairs decided by sleep, and by the budget.
-    pub slept: [u64; 2],
-    /// Impacts without a distance, and with one.
-    pub impacts: [u64; 2],
-    /// Pairs of fixed bodies left out, and the overlapping ones of those tested.
-    pub fixed: [u64; 2],
-    /// Rays, rays that hit a body, and rays that hit a moved body without queries.
-    pub rays: [u64; 3],
-    /// Closest pairs that are separated and not the only pairs, pairs searched, and bodies reported
-    /// as near.
-    pub searches: [u64; 3],
-}
-
-impl Mix {
-    /// Adds the counts of other worlds.
-    pub fn add(&mut self, o: &Self) {
-        let lists = [
-            (&mut self.ticks[..], &o.ticks[..]),
-            (&mut self.saved, &o.saved),
-            (&mut self.overlapping, &o.overlapping),
-            (&mut self.distances, &o.distances),
-            (&mut self.slept, &o.slept),
-            (&mut self.rays, &o.rays),
-            (&mut self.searches, &o.searches),
-            (&mut self.impacts, &o.impacts),
-            (&mut self.fixed, &o.fixed),
-        ];
-        for (mine, theirs) in lists {
-            mine.iter_mut().zip(theirs).for_each(|(x, y)| *x += y);
-        }
-        self.worlds += o.worlds;
-        self.steps += o.steps;
-        self.late += o.late;
-        self.reused += o.reused;
-        self.refused += o.refused;
-        self.within += o.within;
-        self.events += o.events;
+crate::tally! {
+    /// Counts of the results; if a count is zero, its ingredient was not tested.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct Mix {
+        /// Worlds played.
+        pub worlds: u64,
+        /// Steps judged.
+        pub steps: u64,
+        /// Ticks, and the ticks in which no body has a velocity.
+        pub ticks: [u64; 2],
+        /// Bodies moved by `set_pose` after the tick of the step.
+        pub late: u64,
+        /// Bodies that were given the index of a removed body.
+        pub reused: u64,
+        /// Scenes read back between a tick and its step, and at other times.
+        pub saved: [u64; 2],
+        /// Calls rejected.
+        pub refused: u64,
+        /// Overlapping pairs, by kind of world.
+        pub overlapping: [u64; 4],
+        /// Pairs within the distance of the query.
+        pub within: u64,
+        /// Distances, and the distances of overlaps.
+        pub distances: [u64; 2],
+        /// Events of overlaps and of `within`.
+        pub events: u64,
+        /// Pairs decided by sleep, and by the budget.
+        pub slept: [u64; 2],
+        /// Impacts without a distance, and with one.
+        pub impacts: [u64; 2],
+        /// Pairs of fixed bodies left out, and the overlapping ones of those tested.
+        pub fixed: [u64; 2],
+        /// Rays, rays that hit a body, and rays that hit a moved body without queries.
+        pub rays: [u64; 3],
+        /// Closest pairs that are separated and not the only pairs, pairs searched, and bodies reported
+        /// as near.
+        pub searches: [u64; 3],
     }
 }
 
