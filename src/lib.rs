@@ -347,7 +347,10 @@ pub use nonconvex::continuous;
 #[cfg(feature = "meshes")]
 pub use nonconvex::decomposition::{Decomposition, DecompositionFit};
 #[cfg(feature = "meshes")]
-pub use nonconvex::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport, VertexError};
+pub use nonconvex::mesh::{
+    HullFit, Mesh, MeshCap, MeshError, MeshInspection, MeshKind, MeshPart, MeshRepair, MeshReport, RepairOptions,
+    VertexError,
+};
 #[cfg(feature = "meshes")]
 pub use nonconvex::penetration::PenetrationBounds;
 #[cfg(feature = "meshes")]

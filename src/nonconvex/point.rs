@@ -93,12 +93,18 @@ impl Mesh {
     /// Returns whether the solid contains a point in the caller's coordinates, or the surface of an
     /// open mesh does.
     pub(crate) fn contains_point(&self, point: &Point3<f64>) -> bool {
-        let stored = self.stored_point(point);
         // Without a winding number the point is on the surface.
-        !stored.is_far
-            && self
-                .winding_about(&stored.place, |_| true)
-                .is_none_or(|w| self.is_solid() && w != 0)
+        self.winding_number(point).is_none_or(|w| self.is_solid() && w != 0)
+    }
+
+    /// Returns the winding number of a point in the caller's coordinates, which only a solid has, or
+    /// `None` if the point is on the surface.
+    pub(crate) fn winding_number(&self, point: &Point3<f64>) -> Option<i32> {
+        let stored = self.stored_point(point);
+        if stored.is_far {
+            return Some(0);
+        }
+        self.winding_about(&stored.place, |_| true)
     }
 
     /// Returns a point in stored coordinates.

@@ -83,6 +83,20 @@ impl PointQuery<'_> {
         Ok(self.answers(points, |query, p, room| query.holds(p, room)))
     }
 
+    /// Returns the winding number of each point, in the order given; `None` on the surface.
+    ///
+    /// See [`winding_number`](Self::winding_number) and [`closest_points`](Self::closest_points).
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the geometry is neither a polyhedron nor a closed mesh, or the index of
+    /// the first point that is not finite or out of range.
+    pub fn winding_numbers(&self, points: &[Point3<f64>]) -> Result<Vec<Option<i32>>, PointError> {
+        check_all(points)?;
+        self.check_winding()?;
+        Ok(self.answers(points, |query, p, _| query.winding(p)))
+    }
+
     /// Answers each point, in the order given.
     fn each<T: Send>(
         &self,

@@ -36,7 +36,7 @@ use crate::nonconvex::{near_faces, near_parts};
 use crate::pair::outcome::{ContactState, Distance};
 use crate::pair::point::PointOutcome;
 use crate::pair_tracker::PairTracker;
-use crate::pair_tracker::geometry::{GeometryRef, Lent};
+use crate::pair_tracker::geometry::{GeometryKind, GeometryRef, Lent};
 pub use grid::DistanceGrid;
 pub use tracker::PointTracker;
 
@@ -63,6 +63,12 @@ pub enum PointError {
         cells: usize,
         /// Extent along the axis.
         side: f64,
+    },
+    /// The geometry has no winding number: it is curved, a union, infinite, or an open mesh.
+    #[error("this {kind} has no winding number (expected a polyhedron or a closed mesh)")]
+    NoWinding {
+        /// The kind of the geometry.
+        kind: GeometryKind,
     },
     /// The caller stopped the call through its callback.
     #[error("the caller has stopped the call")]
@@ -200,6 +206,23 @@ impl<'g> PointQuery<'g> {
         Ok(self.holds(point, &mut PointRoom::default()))
     }
 
+    /// Returns how many times the surface winds around a point, or `None` on the surface.
+    ///
+    /// The number is exact. It is 0 outside, and 1 inside of a solid whose triangles face outward; it
+    /// is 2 where two components overlap, and negative where a component faces inward. A mesh with
+    /// holes has winding numbers once it is [repaired](crate::Mesh::repaired).
+    ///
+    /// # Errors
+    ///
+    /// Returns an error if the geometry is neither a polyhedron nor a closed mesh, if a coordinate is
+    /// not finite, or if its absolute value is 1e116 or more.
+    #[doc(alias = "generalized winding number")]
+    pub fn winding_number(&self, point: &Point3<f64>) -> Result<Option<i32>, PointError> {
+        check(0, point)?;
+        self.check_winding()?;
+        Ok(self.winding(point))
+    }
+
     /// Returns the signed distance and its bounds, without the closest point.
     ///
     /// # Errors
@@ -317,6 +340,31 @@ impl<'g> PointQuery<'g> {
             Lent::Polyhedron(body) => body.get().contains(point),
             Lent::Convex(shape) => holds(shape.get(), &self.origin, point),
             _ => self.ask(point, room).is_contained(),
+        }
+    }
+
+    /// Returns an error if the geometry has no winding number.
+    fn check_winding(&self) -> Result<(), PointError> {
+        match self.geometry.0 {
+            Lent::Polyhedron(_) => Ok(()),
+            #[cfg(feature = "meshes")]
+            Lent::Mesh(mesh) if mesh.get().is_solid() => Ok(()),
+            _ => Err(PointError::NoWinding {
+                kind: self.geometry.kind(),
+            }),
+        }
+    }
+
+    /// Returns the winding number of a geometry that has one, or `None` on its surface.
+    fn winding(&self, point: &Point3<f64>) -> Option<i32> {
+        match self.geometry.0 {
+            #[cfg(feature = "meshes")]
+            Lent::Mesh(mesh) => mesh.get().winding_number(point),
+            Lent::Polyhedron(body) => match body.get().side_of(point) {
+                0 => None,
+                side => Some(i32::from(side < 0)),
+            },
+            _ => Some(0),
         }
     }
 

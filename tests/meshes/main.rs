@@ -26,6 +26,7 @@ mod own;
 mod penetration;
 mod pieces;
 mod points;
+mod repair;
 mod shallow;
 mod shapes;
 mod sheets;

@@ -3,7 +3,7 @@
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{ContactState, Mesh, MeshKind, PairTracker, PointQuery};
+use lin_canny::{ContactState, Mesh, MeshKind, PairTracker, PointQuery, RepairOptions};
 use truth::Pose;
 use truth::driven::slots::union_of;
 use truth::rng::Rng;
@@ -14,6 +14,12 @@ fn wall_and_bar(fine: usize) -> [Soup; 2] {
     let wall = union_of(&[[[-2.0, 0.0, -1.0], [2.0, 10.0, 1.0]]], 1);
     let window = union_of(&[[[-2.0, 3.0, -1.0], [2.0, 7.0, 1.0]]], fine).flipped();
     [wall.with(&window), bar([-8.0, 4.0, -0.5], [8.0, 6.0, 0.5])]
+}
+
+/// Returns the mesh with its triangles turned, and which were.
+fn oriented(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> (Mesh, Vec<u32>) {
+    let (mesh, repair) = Mesh::repaired(points, triangles, &RepairOptions::default().caps(false)).unwrap();
+    (mesh, repair.turned)
 }
 
 fn bar(low: [f64; 3], high: [f64; 3]) -> Soup {
@@ -98,7 +104,7 @@ fn turned_triangles_are_turned_back() {
             surfaces += u32::from(given.kind() == MeshKind::Open);
             assert_eq!(given.kind() == MeshKind::Open, !turned.is_empty());
             assert_eq!(given.report().misoriented_edges.is_empty(), turned.is_empty());
-            let (solid, found) = Mesh::oriented(&points, &triangles).unwrap();
+            let (solid, found) = oriented(&points, &triangles);
             assert_eq!((solid.kind(), &found), (MeshKind::Solid, &turned));
             let (as_it_was, now) = (mesh(soup).volume(), solid.volume());
             assert!((now - as_it_was).abs() < 1e-12 * as_it_was);
@@ -115,7 +121,7 @@ fn parts_that_face_inward_are_turned_with_the_parts_in_them() {
     let points: Vec<_> = inside_out.points.iter().map(|p| Point3::from(*p)).collect();
     let mut triangles = inside_out.triangles.clone();
     triangles[5].swap(0, 1);
-    let (solid, turned) = Mesh::oriented(&points, &triangles).unwrap();
+    let (solid, turned) = oriented(&points, &triangles);
     assert_eq!(solid.volume(), 56.0);
     // All except the one that faced outward.
     assert_eq!(turned.len(), triangles.len() - 1);
@@ -169,7 +175,7 @@ fn closed_meshes_are_turned_outward_and_keep_their_inside() {
             }
             let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
             let given = mesh(&soup);
-            let (solid, turned) = Mesh::oriented(&points, &soup.triangles).unwrap();
+            let (solid, turned) = oriented(&points, &soup.triangles);
             assert_eq!(solid.kind(), MeshKind::Solid, "{k}");
             // Of the last two cubes, the common face cancels however it faces.
             assert!(turned == expected || k == 10, "{k}: {turned:?}");
@@ -192,11 +198,12 @@ fn closed_meshes_are_turned_outward_and_keep_their_inside() {
                     }
                 })
                 .collect();
-            assert!(Mesh::oriented(&points, &again).unwrap().1.is_empty(), "{k}");
+            assert!(oriented(&points, &again).1.is_empty(), "{k}");
             // One more turned triangle, and the mesh is open: the same components are found.
             let mut mixed = soup.triangles.clone();
             mixed[5].swap(0, 1);
-            if let Ok((solid, _)) = Mesh::oriented(&points, &mixed) {
+            let (solid, _) = oriented(&points, &mixed);
+            if solid.kind() == MeshKind::Solid {
                 assert!((solid.volume() - volume).abs() < 1e-9, "{k}: {}", solid.volume());
             }
         }
@@ -210,7 +217,7 @@ fn repeated_triangles_are_turned_together() {
     let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
     let mut triangles = soup.triangles.clone();
     triangles.push(triangles[3]);
-    let (solid, turned) = Mesh::oriented(&points, &triangles).unwrap();
+    let (solid, turned) = oriented(&points, &triangles);
     assert_eq!((solid.kind(), solid.volume()), (MeshKind::Solid, 1.0));
     assert_eq!(turned, (0..13).collect::<Vec<_>>());
 }
@@ -246,16 +253,11 @@ fn states_and_normals_are_those_of_meshes_that_face_outward() {
 }
 
 #[test]
-fn what_no_turning_closes_is_refused_by_an_edge() {
+fn what_no_turning_closes_stays_open_without_caps() {
     let square = union_of(&[[[0.0; 3], [1.0; 3]]], 1);
     let points: Vec<_> = square.points.iter().map(|p| Point3::from(*p)).collect();
-    let open = Mesh::oriented(&points, &square.triangles[..11])
-        .unwrap_err()
-        .to_string();
-    assert!(
-        open.starts_with("cannot orient the mesh: 1 triangles share the edge of points"),
-        "{open}"
-    );
+    let (open, turned) = oriented(&points, &square.triangles[..11]);
+    assert_eq!((open.kind(), turned.len()), (MeshKind::Open, 0));
     // The projective plane of six vertices: closed, two triangles at each edge, one-sided.
     let plane = [
         [0, 1, 2],
@@ -271,9 +273,11 @@ fn what_no_turning_closes_is_refused_by_an_edge() {
     ];
     let mut rng = Rng::new(5);
     let points: Vec<_> = (0..6).map(|_| Point3::from(rng.in_ball())).collect();
-    let one_sided = Mesh::oriented(&points, &plane).unwrap_err().to_string();
-    assert!(
-        one_sided.starts_with("cannot orient the mesh: it has one side"),
-        "{one_sided}"
-    );
+    let options = RepairOptions::default().caps(false);
+    let (open, repair) = Mesh::repaired(&points, &plane, &options).unwrap();
+    assert_eq!(open.kind(), MeshKind::Open);
+    assert!(!repair.one_sided_edges.is_empty());
+    let (solid, repair) = Mesh::repaired(&points, &plane, &RepairOptions::default()).unwrap();
+    assert_eq!(solid.kind(), MeshKind::Solid);
+    assert!(!repair.one_sided_edges.is_empty() && !repair.caps.is_empty());
 }

@@ -65,22 +65,8 @@ impl Mesh {
     }
 
     fn build(points: &[Point3<f64>], triangles: &[[u32; 3]], watch: &mut Watch<'_>) -> Result<Self, MeshError> {
-        if triangles.len() > MOST {
-            return Err(MeshError::TooMany { count: triangles.len() });
-        }
-        let missing = |t: &[u32; 3]| t.iter().copied().find(|&v| v as usize >= points.len());
-        if let Some((triangle, index)) = triangles.iter().enumerate().find_map(|(k, t)| Some((k, missing(t)?))) {
-            let index = index as usize;
-            return Err(MeshError::IndexOutOfRange { triangle, index });
-        }
-        watch.stage("weld", None)?;
-        let welded = weld(points, triangles)?;
-        watch.stage("edges", None)?;
-        let every = sieve(&welded, triangles);
-        if every.kept.is_empty() {
-            return Err(MeshError::Empty { given: triangles.len() });
-        }
-        let (sieved, found) = judged(&welded.points, every);
+        check(points, triangles)?;
+        let (welded, sieved, found) = sieved(points, triangles, watch)?;
         Ok(assemble(welded, sieved, found, triangles.len(), watch)?)
     }
 
@@ -99,14 +85,61 @@ impl Mesh {
     }
 }
 
+/// Checks the number of triangles, and that their points exist.
+pub(super) fn check(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
+    if triangles.len() > MOST {
+        return Err(MeshError::TooMany { count: triangles.len() });
+    }
+    let missing = |t: &[u32; 3]| t.iter().copied().find(|&v| v as usize >= points.len());
+    match triangles.iter().enumerate().find_map(|(k, t)| Some((k, missing(t)?))) {
+        Some((triangle, index)) => Err(MeshError::IndexOutOfRange {
+            triangle,
+            index: index as usize,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Welds equal points, drops triangles without area and repeated ones, and classifies the edges.
+pub(super) fn sieved(
+    points: &[Point3<f64>],
+    triangles: &[[u32; 3]],
+    watch: &mut Watch<'_>,
+) -> Result<(Welded, Sieved, Edges), MeshError> {
+    watch.stage("weld", None)?;
+    let welded = weld(points, triangles)?;
+    watch.stage("edges", None)?;
+    let every = sieve(&welded, triangles);
+    if every.kept.is_empty() {
+        return Err(MeshError::Empty { given: triangles.len() });
+    }
+    let (sieved, found) = judged(&welded.points, every);
+    Ok((welded, sieved, found))
+}
+
 /// The kept triangles over welded points, and the caller's indices of the others.
-struct Sieved {
-    kept: Vec<[u32; 3]>,
-    source: Vec<u32>,
+pub(super) struct Sieved {
+    pub(super) kept: Vec<[u32; 3]>,
+    pub(super) source: Vec<u32>,
     degenerate: Vec<u32>,
-    /// The first of the kept triangles that has three different vertices on one line.
+    /// The first of the dropped triangles that has three different vertices on one line.
     collinear: Option<u32>,
-    repeated: Vec<(u32, u32)>,
+    pub(super) repeated: Vec<(u32, u32)>,
+}
+
+impl Sieved {
+    /// Keeps a triangle if it has an area.
+    pub(super) fn add(&mut self, points: &[Vector3<f64>], t: [u32; 3], source: u32) {
+        if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] {
+            self.degenerate.push(source);
+        } else if is_collinear(t.each(|v| &points[v as usize])) {
+            self.degenerate.push(source);
+            self.collinear = self.collinear.or(Some(source));
+        } else {
+            self.kept.push(t);
+            self.source.push(source);
+        }
+    }
 }
 
 /// Drops triangles without area.
@@ -119,17 +152,7 @@ fn sieve(welded: &Welded, triangles: &[[u32; 3]]) -> Sieved {
         repeated: Vec::new(),
     };
     for (k, t) in (0u32..).zip(triangles) {
-        let t = t.each(|v| welded.same_as[v as usize]);
-        let corners = t.each(|v| &welded.points[v as usize]);
-        if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] {
-            sieved.degenerate.push(k);
-        } else if is_collinear(corners) {
-            sieved.degenerate.push(k);
-            sieved.collinear = sieved.collinear.or(Some(k));
-        } else {
-            sieved.kept.push(t);
-            sieved.source.push(k);
-        }
+        sieved.add(&welded.points, t.each(|v| welded.same_as[v as usize]), k);
     }
     sieved
 }
@@ -191,7 +214,7 @@ fn without_repeated(every: &Sieved) -> Sieved {
 }
 
 /// Builds the tree and stores everything in its order.
-fn assemble(
+pub(super) fn assemble(
     welded: Welded,
     sieved: Sieved,
     found: Edges,
@@ -365,8 +388,8 @@ impl Mesh {
 pub(super) const MOST: usize = 1 << 27;
 
 /// The points in stored units, and for each point the first one with the same coordinates.
-struct Welded {
-    points: Vec<Vector3<f64>>,
+pub(super) struct Welded {
+    pub(super) points: Vec<Vector3<f64>>,
     same_as: Vec<u32>,
     frame: StoredFrame,
     flushed: usize,
@@ -485,7 +508,7 @@ fn mix(p: &Vector3<f64>) -> u64 {
 }
 
 /// Performs one round of multiply and shift, which is a bijection.
-fn stir(x: u64) -> u64 {
+pub(super) fn stir(x: u64) -> u64 {
     let x = (x ^ x >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93);
     (x ^ x >> 29).wrapping_mul(0xff51_afd7_ed55_8ccd)
 }

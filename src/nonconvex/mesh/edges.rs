@@ -1,22 +1,15 @@
-//! Edges, closedness and connected components, and reorientation of triangles.
-//!
-//! Two triangles that share an edge agree if they run along it in opposite directions. The
-//! orientation of the first triangle of a connected component determines that of all others, edge
-//! by edge. If it determines both orientations of one triangle, the surface has one side. Of the
-//! two orientations of a component, the one that most of its triangles have is chosen. Then sheets
-//! that face inward are flipped.
+//! Edges, closedness and connected components, and triangles that face inward.
 //!
 //! Inside is where the winding number is not zero. Behind a triangle the surface winds once more
 //! than before it, from w to w + 1. The triangle faces inward if w is negative. If all such
 //! triangles are flipped, every winding number becomes its absolute value: the same points are
 //! inside, and the surface stays closed.
 
-use alloc::collections::BTreeSet;
 use alloc::vec;
 use alloc::vec::Vec;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
-use super::{Mesh, MeshError, MeshPart};
+use super::{Mesh, MeshPart};
 use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
@@ -197,10 +190,6 @@ pub(crate) fn find(parent: &mut [u32], mut v: u32) -> u32 {
     v
 }
 
-/// Neighbours of a triangle at its three edges, and whether both run along the edge in one
-/// direction.
-type Neighbours = [(u32, bool); 3];
-
 /// Number of components whose volumes are looked through for a hint.
 const LISTED_PARTS: usize = 16;
 
@@ -214,146 +203,6 @@ const PROBES: usize = 16;
 const BESIDE: [f64; 3] = [1.0 / 1024.0, 1.0 / (1u64 << 20) as f64, 1.0 / (1u64 << 30) as f64];
 
 impl Mesh {
-    /// Builds a solid after reorienting triangles that face the wrong side.
-    ///
-    /// Also returns the caller's indices of the reoriented triangles. If the mesh is not closed as
-    /// given, first as few triangles as possible of each connected component are flipped so that
-    /// all agree. Then every sheet (triangles connected over edges) that faces inward is flipped as
-    /// a whole. A sheet faces inward if the winding numbers on its two sides have a negative sum.
-    /// This keeps the points that are inside: a cavity stays a cavity, and faces into the void.
-    /// Exception: a sheet that crosses another one of opposite sense faces outward only in part,
-    /// and is flipped by its largest triangle; if the mesh would not stay closed, no sheet is
-    /// flipped. The call takes about three times as long as
-    /// [`new`](Self::new).
-    ///
-    /// # Errors
-    ///
-    /// Returns the errors of [`new`](Self::new). Also returns an error if no reorientation makes
-    /// the mesh a solid: an edge belongs to one triangle or to more than two
-    /// ([`MeshError::NotTwo`]), or the surface has one side ([`MeshError::OneSided`]).
-    ///
-    /// ```
-    /// use lin_canny::nalgebra::Point3;
-    /// use lin_canny::{Mesh, MeshKind};
-    ///
-    /// let points =
-    ///     [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from);
-    /// // The second is turned over.
-    /// let triangles = [[0, 2, 1], [0, 3, 1], [1, 2, 3], [2, 0, 3]];
-    /// let surface = Mesh::new(&points, &triangles)?;
-    /// assert_eq!(surface.kind(), MeshKind::Open);
-    /// assert_eq!(surface.report().misoriented_edges.len(), 3);
-    /// let (solid, turned) = Mesh::oriented(&points, &triangles)?;
-    /// assert_eq!((solid.kind(), turned), (MeshKind::Solid, vec![1]));
-    /// # Ok::<(), lin_canny::MeshError>(())
-    /// ```
-    #[doc(alias = "winding order")]
-    #[doc(alias = "fix normals")]
-    pub fn oriented(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<(Self, Vec<u32>), MeshError> {
-        let given = Self::new(points, triangles)?;
-        if given.is_solid() {
-            let Some(is_inward) = given.inward() else {
-                return Ok((given, Vec::new()));
-            };
-            let (all, turned) = given.turned(triangles, &is_inward);
-            let solid = Self::new(points, &all)?;
-            return Ok(if solid.is_solid() {
-                (solid, turned)
-            } else {
-                (given, Vec::new())
-            });
-        }
-        let mut is_turned = given.agreeing(&given.neighbours()?)?;
-        let (all, turned) = given.turned(triangles, &is_turned);
-        let solid = Self::new(points, &all)?;
-        let Some(is_inward) = solid.inward() else {
-            return Ok((solid, turned));
-        };
-        let inward = solid.source_triangles.iter().zip(is_inward).filter(|x| x.1);
-        let inward: BTreeSet<u32> = inward.map(|x| *x.0).collect();
-        for (source, is_turned) in given.source_triangles.iter().zip(&mut is_turned) {
-            *is_turned ^= inward.contains(source);
-        }
-        let (all, turned) = given.turned(triangles, &is_turned);
-        Ok((Self::new(points, &all)?, turned))
-    }
-
-    /// Returns the neighbours of every triangle.
-    fn neighbours(&self) -> Result<Vec<Neighbours>, MeshError> {
-        let mut runs: Vec<([u32; 2], u32, u8)> = Vec::with_capacity(3 * self.triangles.len());
-        for (k, t) in (0u32..).zip(&self.triangles) {
-            for i in 0..3u8 {
-                let (from, to) = (t[usize::from(i)], t[(usize::from(i) + 1) % 3]);
-                runs.push(([from.min(to), from.max(to)], k, i));
-            }
-        }
-        runs.sort_unstable();
-        let mut neighbours = vec![[(0, false); 3]; self.triangles.len()];
-        let starts = |(_, k, i): ([u32; 2], u32, u8)| self.triangles[k as usize][usize::from(i)];
-        for edge in runs.chunk_by(|x, y| x.0 == y.0) {
-            let &[x, y] = edge else {
-                let edge_of = edge[0].0.each(|v| self.source_points[v as usize]);
-                return Err(MeshError::NotTwo {
-                    edge: edge_of,
-                    triangles: edge.len(),
-                });
-            };
-            let is_alike = starts(x) == starts(y);
-            neighbours[x.1 as usize][usize::from(x.2)] = (y.1, is_alike);
-            neighbours[y.1 as usize][usize::from(y.2)] = (x.1, is_alike);
-        }
-        Ok(neighbours)
-    }
-
-    /// Returns which triangles to flip, at most half of each component.
-    fn agreeing(&self, neighbours: &[Neighbours]) -> Result<Vec<bool>, MeshError> {
-        let count = self.triangles.len();
-        let (mut is_turned, mut is_seen) = (vec![false; count], vec![false; count]);
-        for first in 0..count {
-            if is_seen[first] {
-                continue;
-            }
-            is_seen[first] = true;
-            let mut members = vec![first];
-            let mut next = 0;
-            while let Some(&t) = members.get(next) {
-                next += 1;
-                for (i, &(u, is_alike)) in neighbours[t].iter().enumerate() {
-                    let sense = is_turned[t] ^ is_alike;
-                    let u = u as usize;
-                    if !is_seen[u] {
-                        (is_seen[u], is_turned[u]) = (true, sense);
-                        members.push(u);
-                    } else if is_turned[u] != sense {
-                        let edge = [i, (i + 1) % 3].each(|i| self.source_points[self.triangles[t][i] as usize]);
-                        return Err(MeshError::OneSided { edge });
-                    }
-                }
-            }
-            if 2 * members.iter().filter(|&&t| is_turned[t]).count() > members.len() {
-                members.iter().for_each(|&t| is_turned[t] = !is_turned[t]);
-            }
-        }
-        Ok(is_turned)
-    }
-
-    /// Returns the caller's triangles with the marked ones flipped, and the indices of those.
-    ///
-    /// A triangle that the build dropped as a repetition is flipped with the one that it repeats.
-    fn turned(&self, triangles: &[[u32; 3]], is_turned: &[bool]) -> (Vec<[u32; 3]>, Vec<u32>) {
-        let marked = self.source_triangles.iter().zip(is_turned).filter(|x| *x.1);
-        let mut turned: Vec<u32> = marked.map(|x| *x.0).collect();
-        turned.sort_unstable();
-        let repeated = self.report.repeated.iter();
-        let repeated = repeated.filter(|(_, kept)| turned.binary_search(kept).is_ok());
-        let repeated: Vec<u32> = repeated.map(|(dropped, _)| *dropped).collect();
-        turned.extend(repeated);
-        turned.sort_unstable();
-        let mut all = triangles.to_vec();
-        turned.iter().for_each(|&k| all[k as usize].swap(1, 2));
-        (all, turned)
-    }
-
     /// Returns the solid with all of its triangles facing outward; `None` if they do already.
     ///
     /// Nothing else changes: trackers must not follow it.
@@ -368,7 +217,7 @@ impl Mesh {
     /// Returns which triangles of a solid face inward; `None` if none does, or if it is open.
     ///
     /// All triangles of a sheet face the same way.
-    fn inward(&self) -> Option<Vec<bool>> {
+    pub(super) fn inward(&self) -> Option<Vec<bool>> {
         if !self.is_solid() {
             return None;
         }

@@ -7,6 +7,7 @@ pub(super) mod hull;
 pub(super) mod measure;
 #[cfg(feature = "serde")]
 mod persist;
+mod repair;
 mod report;
 mod self_distance;
 pub(crate) mod tracker;
@@ -18,6 +19,7 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 pub use hull::HullFit;
+pub use repair::{MeshCap, MeshRepair, RepairOptions};
 pub use report::{MeshError, MeshInspection, MeshKind, MeshPart, MeshReport, VertexError};
 
 use crate::base::num::each::Each;

@@ -81,23 +81,15 @@ pub enum MeshError {
         /// The radius.
         radius: f64,
     },
-    /// Triangles cannot be reoriented to close the mesh: two must meet at every edge.
+    /// The tolerance of a weld is negative, not a number, or larger than a sixteenth of the extent.
     ///
-    /// Returned by [`Mesh::oriented`](super::Mesh::oriented).
-    #[error("cannot orient the mesh: {triangles} triangles share the edge of points {} and {} (expected 2)", edge[0], edge[1])]
-    NotTwo {
-        /// The points of the first such edge.
-        edge: [u32; 2],
-        /// Number of triangles that meet at the edge.
-        triangles: usize,
-    },
-    /// Triangles cannot be reoriented to agree: the surface has one side, like a Möbius strip.
-    ///
-    /// Returned by [`Mesh::oriented`](super::Mesh::oriented).
-    #[error("cannot orient the mesh: it has one side; its triangles disagree at the edge of points {} and {}", edge[0], edge[1])]
-    OneSided {
-        /// The points of an edge at which the triangles disagree.
-        edge: [u32; 2],
+    /// Returned by [`Mesh::repaired`](super::Mesh::repaired).
+    #[error("tolerance of the weld is out of range: {tolerance:e} (expected 0, or up to a sixteenth of {extent:e})")]
+    Weld {
+        /// The tolerance.
+        tolerance: f64,
+        /// The longest side of the bounding box.
+        extent: f64,
     },
     /// A piece of a compound is a point, a segment, or too thin.
     ///
@@ -283,7 +275,7 @@ pub struct MeshReport {
     pub non_manifold_edges: Vec<[u32; 2]>,
     /// Edges of two triangles that run along them in the same direction: one faces the wrong side.
     ///
-    /// [`Mesh::oriented`](super::Mesh::oriented) corrects them.
+    /// [`Mesh::repaired`](super::Mesh::repaired) corrects them.
     pub misoriented_edges: Vec<[u32; 2]>,
     /// Connected components, in the order of their first triangle.
     pub parts: Vec<MeshPart>,

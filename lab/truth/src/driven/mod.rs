@@ -15,6 +15,7 @@ pub mod points;
 pub mod rays;
 #[cfg(feature = "readers")]
 pub mod readers;
+pub mod repairs;
 pub mod scenes;
 pub mod slivers;
 pub mod slots;

@@ -34,8 +34,8 @@ use race::progress::Progress;
 use tally::Tally;
 use truth::command::{count, number};
 use truth::driven::{
-    bytes, calls, clouds, corners, distances, far, lattice, planner, points, rays, scenes, slivers, solids, stand_ins,
-    surfaces, throws, turned_boxes, underflow,
+    bytes, calls, clouds, corners, distances, far, lattice, planner, points, rays, repairs, scenes, slivers, solids,
+    stand_ins, surfaces, throws, turned_boxes, underflow,
 };
 use truth::motion::Frame;
 use truth::rng::Rng;
@@ -253,7 +253,7 @@ fn random_bytes(seed: u64, count: usize) -> Vec<u8> {
     (0..count).map(|_| rng.bits() as u8).collect()
 }
 
-const DRIVERS: [Driver; 20] = [
+const DRIVERS: [Driver; 21] = [
     // Lattices, bricks and stacks combine equal bounds, reused indices and slow motion. Brute force
     // checks each step.
     Driver {
@@ -296,6 +296,13 @@ const DRIVERS: [Driver; 20] = [
         salt: 0xfa17,
         count: 2,
         play: |seed, tally| faulty::play(seed).map(|mix| tally.faulty.add(&mix)),
+    },
+    // Meshes that lost triangles, or have some turned, doubled or apart, repaired.
+    Driver {
+        name: "damaged mesh",
+        salt: 0xda4a,
+        count: 2,
+        play: |seed, tally| repairs::play(seed).map(|mix| tally.repairs.add(&mix)),
     },
     // Triangles that are a line up to rounding, on oblique lines and planes, among ordinary
     // triangles.

@@ -7,8 +7,8 @@ use crate::faulty;
 use lin_canny::Outcome;
 use truth::driven::lattice::Mix;
 use truth::driven::{
-    bytes, calls, clouds, corners, distances, far, planner, points, rays, scenes, slivers, solids, stand_ins, surfaces,
-    throws, turned_boxes, underflow,
+    bytes, calls, clouds, corners, distances, far, planner, points, rays, repairs, scenes, slivers, solids, stand_ins,
+    surfaces, throws, turned_boxes, underflow,
 };
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
@@ -49,6 +49,8 @@ truth::tally! {
         pub(crate) curves: curved::Mix,
         /// Meshes with faults.
         pub(crate) faulty: faulty::Mix,
+        /// Damaged meshes.
+        pub(crate) repairs: repairs::Mix,
         /// Meshes of slivers.
         pub(crate) slivers: slivers::Mix,
         /// Solids with faces in common.
@@ -116,6 +118,7 @@ impl Tally {
         println!("bodies of random bytes: {:?}", self.bytes);
         println!("scenes of bodies of every kind: {:?}", self.scenes);
         println!("meshes with faults: {:?}", self.faulty);
+        println!("damaged meshes: {:?}", self.repairs);
         println!("meshes of slivers: {:?}", self.slivers);
         println!("solids with faces in common: {:?}", self.solids);
         println!("bodies in inner corners: {:?}", self.corners);
