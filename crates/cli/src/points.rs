@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Mesh, MeshKind, PointOutcome, PointQuery};
+use lin_canny::{Mesh, MeshKind, PointOutcome, PointQuery, RepairOptions};
 use lin_canny_cli::output::progress;
 use lin_canny_formats::{Invalid, MeshFile, PointFile};
 
@@ -29,6 +29,9 @@ pub(crate) struct PointOptions {
     /// `invalid` and no more
     #[arg(long, value_name = "OUT.csv", requires = "points")]
     csv: Option<PathBuf>,
+    /// Repair the mesh first: turn inverted triangles and close holes, so that it has an inside
+    #[arg(long)]
+    repair: bool,
     #[command(flatten)]
     grid: GridOptions,
 }
@@ -44,10 +47,20 @@ pub(crate) fn run(options: &PointOptions) -> Result<End, ToolError> {
     let read = MeshFile::load(&options.mesh)?;
     let (points, triangles) = read.whole();
     let corners: Vec<_> = points.into_iter().map(Point3::from).collect();
-    let mesh = Mesh::new(&corners, &triangles).map_err(|e| invalid(&options.mesh, e))?;
+    let mesh = if options.repair {
+        let found = Mesh::repaired(&corners, &triangles, &RepairOptions::default());
+        let (mesh, repair) = found.map_err(|e| invalid(&options.mesh, e))?;
+        say!("repaired the mesh: {repair}");
+        mesh
+    } else {
+        Mesh::new(&corners, &triangles).map_err(|e| invalid(&options.mesh, e))?
+    };
     if mesh.kind() == MeshKind::Open {
         let count = mesh.report().boundary_edges.len();
-        warn!("the mesh is open ({count} boundary edges): it has no inside, and no distance is negative");
+        warn!(
+            "the mesh is open ({count} boundary edges): it has no inside, and no distance is negative; `--repair` \
+            closes it"
+        );
     }
     if let Some(file) = &options.points {
         measure(file, options, &mesh)?;

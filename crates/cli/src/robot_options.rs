@@ -18,6 +18,8 @@ enum MeshGeometry {
     Hull,
     /// The triangles of the mesh
     Mesh,
+    /// The triangles, with holes closed and inverted triangles turned
+    Solid,
     /// Convex pieces from the folder of `--pieces`
     Pieces,
 }
@@ -27,6 +29,7 @@ impl From<MeshGeometry> for MeshUse {
         match geometry {
             MeshGeometry::Hull => Self::Hull,
             MeshGeometry::Mesh => Self::Mesh,
+            MeshGeometry::Solid => Self::Solid,
             MeshGeometry::Pieces => Self::Pieces,
         }
     }

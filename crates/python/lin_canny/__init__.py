@@ -18,6 +18,7 @@ from ._native import (
     LinCannyError,
     LinkAudit,
     MeshFile,
+    MeshRepair,
     MotionError,
     NearPair,
     PairError,
@@ -54,6 +55,7 @@ from ._native import (
     read_points,
     signed_distance,
     signed_distance_grid,
+    winding_number,
     within,
 )
 from ._plot import plot_clearance
@@ -74,6 +76,7 @@ __all__ = [
     "LinCannyError",
     "LinkAudit",
     "MeshFile",
+    "MeshRepair",
     "MotionError",
     "NearPair",
     "PairError",
@@ -112,5 +115,6 @@ __all__ = [
     "show",
     "signed_distance",
     "signed_distance_grid",
+    "winding_number",
     "within",
 ]

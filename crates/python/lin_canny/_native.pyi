@@ -53,6 +53,7 @@ __all__ = [
     "LinCannyError",
     "LinkAudit",
     "MeshFile",
+    "MeshRepair",
     "MotionError",
     "NearPair",
     "PairError",
@@ -88,6 +89,7 @@ __all__ = [
     "read_points",
     "signed_distance",
     "signed_distance_grid",
+    "winding_number",
     "within",
 ]
 
@@ -116,7 +118,9 @@ class Geometry:
     @staticmethod
     def mesh(vertices: ArrayLike, triangles: ArrayLike) -> Geometry: ...
     @staticmethod
-    def oriented_mesh(vertices: ArrayLike, triangles: ArrayLike) -> tuple[Geometry, list[int]]: ...
+    def repaired_mesh(
+        vertices: ArrayLike, triangles: ArrayLike, *, weld: float = 0.0, orient: bool = True, caps: bool = True
+    ) -> tuple[Geometry, MeshRepair]: ...
     @staticmethod
     def from_trimesh(mesh: _HasTriangles) -> Geometry: ...
     @staticmethod
@@ -195,6 +199,23 @@ class Cloud(Geometry):
     def _from_bytes(bytes: bytes) -> Cloud: ...
     def __len__(self) -> int: ...
     def __reduce__(self) -> tuple[Any, tuple[bytes]]: ...
+
+@final
+class MeshRepair:
+    @property
+    def welded(self) -> int: ...
+    @property
+    def turned(self) -> list[int]: ...
+    @property
+    def one_sided_edges(self) -> list[list[int]]: ...
+    @property
+    def caps(self) -> list[list[int]]: ...
+    @property
+    def cap_share(self) -> float: ...
+    @property
+    def longest_loop(self) -> int: ...
+    @property
+    def is_empty(self) -> bool: ...
 
 @final
 class Closest:
@@ -409,6 +430,9 @@ def signed_distance(
 def contains(
     geometry: Geometry, points: ArrayLike, *, threads: int = 1, progress: _Progress = None
 ) -> NDArray[np.bool_]: ...
+def winding_number(
+    geometry: Geometry, points: ArrayLike, *, threads: int = 1, progress: _Progress = None
+) -> NDArray[np.int32]: ...
 def closest_points(
     geometry: Geometry, points: ArrayLike, *, threads: int = 1, progress: _Progress = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]: ...
@@ -484,7 +508,7 @@ class MeshFile:
     def objects(self) -> list[tuple[str, NDArray[np.float64], NDArray[np.int64]]]: ...
     @property
     def skipped(self) -> list[tuple[int | None, str]]: ...
-    def geometry(self, kind: Literal["hull", "mesh", "pieces"] = "hull") -> Geometry: ...
+    def geometry(self, kind: Literal["hull", "mesh", "solid", "pieces"] = "hull") -> Geometry: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
 
 def read_points(path: _Path, *, invalid: Literal["drop", "refuse"] = "drop") -> PointFile: ...
@@ -589,7 +613,7 @@ class Robot:
         srdf: _Path | None = None,
         *,
         packages: Sequence[_Path] = ...,
-        meshes: Literal["hull", "mesh", "pieces"] = "hull",
+        meshes: Literal["hull", "mesh", "solid", "pieces"] = "hull",
         pieces: _Path | None = None,
         skip_missing_meshes: bool = False,
         floating: float = 10.0,

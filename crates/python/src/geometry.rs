@@ -3,8 +3,10 @@
 mod build;
 mod cloud;
 mod patches;
+mod repair;
 
 pub(crate) use cloud::Cloud;
+pub(crate) use repair::MeshRepair;
 
 use std::borrow::Cow;
 

@@ -37,6 +37,7 @@ fn class<T: PyClass>(module: &Bound<'_, PyModule>) -> PyResult<()> {
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     class::<geometry::Geometry>(module)?;
     class::<geometry::Cloud>(module)?;
+    class::<geometry::MeshRepair>(module)?;
     class::<tracker::PairTracker>(module)?;
     class::<tracker::Closest>(module)?;
     class::<tracker::Penetration>(module)?;
@@ -66,6 +67,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(tracker::penetration_batch, module)?)?;
     module.add_function(wrap_pyfunction!(points::signed_distance, module)?)?;
     module.add_function(wrap_pyfunction!(points::contains, module)?)?;
+    module.add_function(wrap_pyfunction!(points::winding_number, module)?)?;
     module.add_function(wrap_pyfunction!(points::closest_points, module)?)?;
     // Private, so not among the names of `__all__`.
     module.setattr("_page", wrap_pyfunction!(view::page, module)?)?;

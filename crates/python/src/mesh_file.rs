@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Compound, ConvexPolyhedron, Geometry as Body, Mesh, Piece};
+use lin_canny::{Compound, ConvexPolyhedron, Geometry as Body, Mesh, Piece, RepairOptions};
 use lin_canny_formats::MeshFile as Loaded;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -86,7 +86,8 @@ impl MeshFile {
     }
 
     /// Returns the geometry of the file: the hull of all points ("hull"), the triangles as they
-    /// are ("mesh"), or the union of the hulls of the objects ("pieces").
+    /// are ("mesh"), the triangles with holes closed ("solid", see `Geometry.repaired_mesh`), or the
+    /// union of the hulls of the objects ("pieces").
     #[pyo3(signature = (kind="hull"))]
     fn geometry(&self, py: Python<'_>, kind: &str) -> PyResult<Geometry> {
         let hull = |points: &[[f64; 3]]| ConvexPolyhedron::from_points(&positions(points));
@@ -96,6 +97,10 @@ impl MeshFile {
                 "hull" => hull(&points).map_err(|e| e.to_string())?.into(),
                 "mesh" => Mesh::new(&positions(&points), &triangles)
                     .map_err(|e| e.to_string())?
+                    .into(),
+                "solid" => Mesh::repaired(&positions(&points), &triangles, &RepairOptions::default())
+                    .map_err(|e| e.to_string())?
+                    .0
                     .into(),
                 "pieces" => {
                     let pieces = self
@@ -112,7 +117,11 @@ impl MeshFile {
             }))
         });
         let body = body.map_err(|why| geometry_error(format!("{}: {why}", self.path.display())))?;
-        let unknown = || refused(format!("kind is {kind:?} (expected \"hull\", \"mesh\" or \"pieces\")"));
+        let unknown = || {
+            refused(format!(
+                "kind is {kind:?} (expected \"hull\", \"mesh\", \"solid\" or \"pieces\")"
+            ))
+        };
         Ok(Geometry(body.ok_or_else(unknown)?))
     }
 

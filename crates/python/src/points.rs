@@ -32,7 +32,7 @@ const POINT: Argument = Argument {
 const MOST: usize = 1 << 15;
 
 /// The outcome of a point as numbers: signed distance, its bounds, the closest point, the subshape,
-/// and whether the geometry contains the point.
+/// and whether the geometry contains the point, or its winding number.
 type Row = [f64; 8];
 
 fn row(found: &PointOutcome) -> Row {
@@ -42,11 +42,22 @@ fn row(found: &PointOutcome) -> Row {
     [found.distance, found.lower, found.upper, x, y, z, subshape, is_in]
 }
 
+/// What is computed of a point.
+#[derive(Clone, Copy, PartialEq)]
+enum Asked {
+    All,
+    Side,
+    Winding,
+}
+
+/// The winding number on the surface, which has none: the least of the array.
+const ON_SURFACE: i32 = i32::MIN;
+
 /// The points of a call, in the frame of the geometry.
 struct Points<'a> {
     query: PointQuery<'a>,
     points: &'a [Point3<f64>],
-    is_side_alone: bool,
+    asked: Asked,
 }
 
 impl Batch for Points<'_> {
@@ -64,14 +75,21 @@ impl Batch for Points<'_> {
 
     fn answer(&self, (): &mut (), first: usize, rows: &mut [Row]) -> PyResult<()> {
         let points = &self.points[first..first + rows.len()];
-        if self.is_side_alone {
-            let held = self.query.contains_each(points).map_err(geometry_error)?;
-            rows.iter_mut()
-                .zip(held)
-                .for_each(|(to, is_in)| to[7] = f64::from(u8::from(is_in)));
-        } else {
-            let found = self.query.closest_points(points).map_err(geometry_error)?;
-            rows.iter_mut().zip(&found).for_each(|(to, found)| *to = row(found));
+        match self.asked {
+            Asked::Side => {
+                let held = self.query.contains_each(points).map_err(geometry_error)?;
+                let held = held.into_iter().map(|is_in| f64::from(u8::from(is_in)));
+                rows.iter_mut().zip(held).for_each(|(to, is_in)| to[7] = is_in);
+            }
+            Asked::Winding => {
+                let found = self.query.winding_numbers(points).map_err(geometry_error)?;
+                let found = found.into_iter().map(|w| f64::from(w.unwrap_or(ON_SURFACE)));
+                rows.iter_mut().zip(found).for_each(|(to, winding)| to[7] = winding);
+            }
+            Asked::All => {
+                let found = self.query.closest_points(points).map_err(geometry_error)?;
+                rows.iter_mut().zip(&found).for_each(|(to, found)| *to = row(found));
+            }
         }
         Ok(())
     }
@@ -83,7 +101,7 @@ fn rows(
     given: &Bound<'_, PyAny>,
     threads: usize,
     progress: Option<&Bound<'_, PyAny>>,
-    is_side_alone: bool,
+    asked: Asked,
 ) -> PyResult<Vec<Row>> {
     let given = points(given, POINTS)?;
     let body = &geometry.get().0;
@@ -96,12 +114,12 @@ fn rows(
         )));
     }
     let batch = Points {
-        query: match is_side_alone {
-            true => PointQuery::new(body),
-            false => py.detach(|| PointQuery::new(body).prepared_for(given.len())),
+        query: match asked {
+            Asked::All => py.detach(|| PointQuery::new(body).prepared_for(given.len())),
+            Asked::Side | Asked::Winding => PointQuery::new(body),
         },
         points: &given,
-        is_side_alone,
+        asked,
     };
     let mut rows = vec![[0.0; 8]; given.len()];
     Run::new(py, rows.len(), threads, progress)?.rows(py, &batch, &mut rows)?;
@@ -123,7 +141,7 @@ pub(crate) fn signed_distance<'py>(
     threads: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let rows = rows(py, geometry, points, threads, progress, false)?;
+    let rows = rows(py, geometry, points, threads, progress, Asked::All)?;
     let column = |k: usize| PyArray1::from_iter(py, rows.iter().map(|row| row[k]));
     if bounds {
         return Ok((column(0), column(1), column(2)).into_pyobject(py)?.into_any());
@@ -143,8 +161,27 @@ pub(crate) fn contains<'py>(
     threads: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-    let rows = rows(py, geometry, points, threads, progress, true)?;
+    let rows = rows(py, geometry, points, threads, progress, Asked::Side)?;
     Ok(PyArray1::from_iter(py, rows.iter().map(|row| row[7] != 0.0)))
+}
+
+/// Returns how many times the surface of a polyhedron or a closed mesh winds around each point.
+///
+/// points: shape (N, 3), in the frame of the geometry. The result is an int32 array of shape (N,): 0
+/// outside, 1 inside a solid, 2 where two components overlap, negative where one is inside out, and the
+/// least int32 on the surface. The numbers are exact. A mesh with holes needs a repair first:
+/// `Geometry.repaired_mesh`.
+#[pyfunction]
+#[pyo3(signature = (geometry, points, *, threads=1, progress=None))]
+pub(crate) fn winding_number<'py>(
+    py: Python<'py>,
+    geometry: &Bound<'py, Geometry>,
+    points: &Bound<'py, PyAny>,
+    threads: usize,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyArray1<i32>>> {
+    let rows = rows(py, geometry, points, threads, progress, Asked::Winding)?;
+    Ok(PyArray1::from_iter(py, rows.iter().map(|row| row[7] as i32)))
 }
 
 /// The closest points, the signed distances and the subshapes.
@@ -167,7 +204,7 @@ pub(crate) fn closest_points<'py>(
     threads: usize,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<ClosestPoints<'py>> {
-    let rows = rows(py, geometry, points, threads, progress, false)?;
+    let rows = rows(py, geometry, points, threads, progress, Asked::All)?;
     let places = rows.iter().flat_map(|row| [row[3], row[4], row[5]]);
     let places = PyArray1::from_iter(py, places).reshape([rows.len(), 3])?;
     let distances = PyArray1::from_iter(py, rows.iter().map(|row| row[0]));

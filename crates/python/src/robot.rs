@@ -31,10 +31,11 @@ impl Files {
         let usage = match self.meshes.as_str() {
             "hull" => MeshUse::Hull,
             "mesh" => MeshUse::Mesh,
+            "solid" => MeshUse::Solid,
             "pieces" => MeshUse::Pieces,
             other => {
                 return Err(refused(format!(
-                    "meshes is {other:?} (expected \"hull\", \"mesh\" or \"pieces\")"
+                    "meshes is {other:?} (expected \"hull\", \"mesh\", \"solid\" or \"pieces\")"
                 )));
             }
         };
@@ -79,8 +80,8 @@ impl Robot {
     ///
     /// packages: folders in which `package://` is looked up, before those of ROS_PACKAGE_PATH and
     /// those above the URDF. meshes: what mesh files become, "hull", "mesh" (the triangles as they
-    /// are) or "pieces" (the hulls of the objects of an OBJ of the same name in the folder
-    /// `pieces`). skip_missing_meshes: whether collision elements whose mesh file does not exist
+    /// are), "solid" (the triangles with holes closed, see `Geometry.repaired_mesh`) or "pieces" (the
+    /// hulls of the objects of an OBJ of the same name in the folder `pieces`). skip_missing_meshes: whether collision elements whose mesh file does not exist
     /// are listed in `skipped`, and nothing is checked against them; else they are errors. floating:
     /// how far floating and planar joints, and sliding joints without limits, may go each way along
     /// x, y and z; the pose at which the file draws a body is always within. Raises FileError, which

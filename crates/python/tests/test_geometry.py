@@ -139,11 +139,32 @@ def test_turned_triangles_are_turned_back():
     triangles = np.array(cube.triangles)
     triangles[[3, 7]] = triangles[[3, 7]][:, ::-1]
     assert not lc.Geometry.mesh(cube.vertices, triangles).is_solid
-    solid, turned = lc.Geometry.oriented_mesh(cube.vertices, triangles)
+    solid, repair = lc.Geometry.repaired_mesh(cube.vertices, triangles, caps=False)
     assert solid.is_solid
-    assert turned == [3, 7]
-    with pytest.raises(lc.GeometryError, match="1 triangles share the edge"):
-        lc.Geometry.oriented_mesh(cube.vertices, triangles[1:])
+    assert (repair.turned, repair.caps) == ([3, 7], [])
+    assert not lc.Geometry.repaired_mesh(cube.vertices, triangles[1:], caps=False)[0].is_solid
+
+
+def test_a_mesh_with_a_hole_has_an_inside_after_its_repair():
+    cube = lc.Geometry.box(1, 1, 1)
+    triangles = np.array(cube.triangles)[1:]
+    points = [(0, 0, 0), (2, 0, 0), (1, 0.5, 0.25)]
+    open_mesh = lc.Geometry.mesh(cube.vertices, triangles)
+    assert lc.contains(open_mesh, points[:2]).tolist() == [False, False]
+    with pytest.raises(lc.GeometryError, match="this mesh has no winding number"):
+        lc.winding_number(open_mesh, points)
+    solid, repair = lc.Geometry.repaired_mesh(cube.vertices, triangles)
+    assert solid.is_solid and len(repair.caps) == 1 and len(repair.caps[0]) == 3
+    assert repr(repair) == "<MeshRepair: 1 caps (8.33 % of the area, at most 3 corners)>"
+    winding = lc.winding_number(solid, points, threads=2)
+    assert winding.dtype == np.int32
+    assert winding.tolist() == [1, 0, np.iinfo(np.int32).min]
+    soup = np.asarray(cube.vertices)[triangles].reshape(-1, 3)
+    jittered = soup + np.random.default_rng(3).uniform(-1e-4, 1e-4, soup.shape)
+    solid, repair = lc.Geometry.repaired_mesh(jittered, np.arange(33).reshape(-1, 3), weld=1e-3)
+    assert repair.welded == 33 - 8 and lc.winding_number(solid, points[:2]).tolist() == [1, 0]
+    with pytest.raises(lc.GeometryError, match="tolerance of the weld is out of range"):
+        lc.Geometry.repaired_mesh(soup, np.arange(33).reshape(-1, 3), weld=-1.0)
 
 
 def test_lengths_of_capsules_are_named():

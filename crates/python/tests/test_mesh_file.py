@@ -57,7 +57,7 @@ def test_a_file_is_a_geometry_in_one_line(path):
         found = lc.PairTracker().closest(lc.load_mesh(path).geometry(kind), ball, None, at)
         assert found.state == state, kind
     assert lc.load_mesh(path).geometry("mesh").is_solid
-    with pytest.raises(lc.LinCannyError, match=r'kind is "box" \(expected "hull", "mesh" or "pieces"\)'):
+    with pytest.raises(lc.LinCannyError, match=r'kind is "box" \(expected "hull", "mesh", "solid" or "pieces"\)'):
         lc.load_mesh(path).geometry("box")
 
 

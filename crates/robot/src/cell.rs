@@ -99,7 +99,7 @@ impl From<NameText> for BodyName {
 /// | `cylinder`, `capsule`, `cone` | `radius`, `length`; the axis is z, the apex of a cone is above |
 /// | `sphere` | `radius` |
 /// | `ellipsoid` | `radii` |
-/// | `mesh` | `file`; `scale`: three numbers; `as`: `hull`, `mesh` or `pieces`, by default as the options say |
+/// | `mesh` | `file`; `scale`: three numbers; `as`: `hull`, `mesh`, `solid` or `pieces`, by default as the options say |
 /// | `cloud` | `file` (PLY, PCD, XYZ or npy) or `points`; `radius` of the balls, or `box` with `size`, or the radii of the file; `scale` of the points |
 /// | `voxels` | `file` or `indices`; `size` of a cell, one number or three; `origin`: the least corner of the cell `[0, 0, 0]` |
 /// | `half_space` | `normal`, `offset` (0 by default): the points x with `normal . x <= offset` |

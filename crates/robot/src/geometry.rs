@@ -5,7 +5,9 @@ use std::path::Path;
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{BuildError, Compound, ConvexPolyhedron, Geometry, HalfSpace, HullFit, Mesh, Piece, Shape};
+use lin_canny::{
+    BuildError, Compound, ConvexPolyhedron, Geometry, HalfSpace, HullFit, Mesh, MeshError, Piece, RepairOptions, Shape,
+};
 
 use crate::error::FileErrorKind;
 use crate::mesh_file::{self, MeshPlacing, Soup};
@@ -178,9 +180,15 @@ pub(crate) fn of_soup(
     options: &LoadOptions,
 ) -> Result<(Geometry, Option<HullFit>), FileErrorKind> {
     let Soup { points, triangles } = soup;
-    let mesh = || Mesh::new(&points, &triangles).map_err(|e| FileErrorKind::Geometry(e.to_string()));
-    if usage == MeshUse::Mesh {
-        return Ok((Geometry::from(mesh()?), None));
+    let wrong = |e: MeshError| FileErrorKind::Geometry(e.to_string());
+    let mesh = || Mesh::new(&points, &triangles).map_err(wrong);
+    match usage {
+        MeshUse::Mesh => return Ok((Geometry::from(mesh()?), None)),
+        MeshUse::Solid => {
+            let (solid, _) = Mesh::repaired(&points, &triangles, &RepairOptions::default()).map_err(wrong)?;
+            return Ok((Geometry::from(solid), None));
+        }
+        MeshUse::Hull | MeshUse::Pieces => {}
     }
     let hull = hull(&points)?;
     let mesh = options.measure_hulls.then(mesh).and_then(Result::ok);

@@ -12,8 +12,11 @@ pub enum MeshUse {
     /// The convex hull: the fastest queries, but the hull is larger than the mesh.
     #[default]
     Hull,
-    /// The triangles of the mesh; a closed mesh is solid.
+    /// The triangles of the mesh; a closed mesh is solid, any other has no inside.
     Mesh,
+    /// The triangles after a [repair](lin_canny::Mesh::repaired) of inverted triangles and holes: a
+    /// solid.
+    Solid,
     /// Convex pieces from a separate file: the hull of each object of an OBJ.
     Pieces,
 }

@@ -1,11 +1,11 @@
 //! Geometries from points, triangles and parameters.
 
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{ConvexPolyhedron, HalfSpace, Mesh, Shape, ShapeError};
+use lin_canny::{ConvexPolyhedron, HalfSpace, Mesh, RepairOptions, Shape, ShapeError};
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
 
-use super::Geometry;
+use super::{Geometry, MeshRepair};
 use crate::array::{Argument, contiguous, points, rows, shape_text, vector};
 use crate::errors::geometry_error;
 
@@ -112,23 +112,31 @@ impl Geometry {
         Ok(Self(mesh.map_err(geometry_error)?.into()))
     }
 
-    /// Returns the solid of a mesh with inverted triangles, and the indices of the inverted
-    /// triangles.
+    /// Returns the mesh after a repair of cracks, inverted triangles and holes, and what was changed.
     ///
-    /// Two triangles must meet at every edge. The call inverts the fewest triangles of each
-    /// component that make it consistent, unless the mesh is closed, then whole components to face
-    /// outward. A cavity stays a cavity.
+    /// With caps the result is a solid for every input: its sides and winding numbers are exact. Triangles
+    /// of caps count on from those given.
+    ///
+    /// Parameters
+    /// ----------
+    /// weld : points at most this far from an earlier point move to it; 0 welds equal points.
+    /// orient : whether triangles are inverted, so that neighbours agree and solids face outward.
+    /// caps : whether holes are closed by triangles between their corners.
     #[staticmethod]
-    fn oriented_mesh(
+    #[pyo3(signature = (vertices, triangles, *, weld=0.0, orient=true, caps=true))]
+    fn repaired_mesh(
         py: Python<'_>,
         vertices: &Bound<'_, PyAny>,
         triangles: &Bound<'_, PyAny>,
-    ) -> PyResult<(Self, Vec<u32>)> {
+        weld: f64,
+        orient: bool,
+        caps: bool,
+    ) -> PyResult<(Self, MeshRepair)> {
         let (vertices, triangles) = (points(vertices, VERTICES)?, triangles_of(triangles)?);
-        let (mesh, turned) = py
-            .detach(|| Mesh::oriented(&vertices, &triangles))
-            .map_err(geometry_error)?;
-        Ok((Self(mesh.into()), turned))
+        let options = RepairOptions::default().weld(weld).orient(orient).caps(caps);
+        let found = py.detach(|| Mesh::repaired(&vertices, &triangles, &options));
+        let (mesh, repair) = found.map_err(geometry_error)?;
+        Ok((Self(mesh.into()), MeshRepair(repair)))
     }
 
     /// Returns the mesh of a `trimesh.Trimesh`, or of any object with `vertices` and `faces`.
