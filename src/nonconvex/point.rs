@@ -97,8 +97,8 @@ impl Mesh {
         self.winding_number(point).is_none_or(|w| self.is_solid() && w != 0)
     }
 
-    /// Returns the winding number of a point in the caller's coordinates, which only a solid has, or
-    /// `None` if the point is on the surface.
+    /// Returns the winding number of a point in the caller's coordinates, which only a solid has,
+    /// or `None` if the point is on the surface.
     pub(crate) fn winding_number(&self, point: &Point3<f64>) -> Option<i32> {
         let stored = self.stored_point(point);
         if stored.is_far {

@@ -208,14 +208,14 @@ impl<'g> PointQuery<'g> {
 
     /// Returns how many times the surface winds around a point, or `None` on the surface.
     ///
-    /// The number is exact. It is 0 outside, and 1 inside of a solid whose triangles face outward; it
-    /// is 2 where two components overlap, and negative where a component faces inward. A mesh with
-    /// holes has winding numbers once it is [repaired](crate::Mesh::repaired).
+    /// The number is exact. It is 0 outside, and 1 inside of a solid whose triangles face outward.
+    /// It is 2 where two components overlap, and negative where a component faces inward. A mesh
+    /// with holes has winding numbers once it is [repaired](crate::Mesh::repaired).
     ///
     /// # Errors
     ///
-    /// Returns an error if the geometry is neither a polyhedron nor a closed mesh, if a coordinate is
-    /// not finite, or if its absolute value is 1e116 or more.
+    /// Returns an error if the geometry is neither a polyhedron nor a closed mesh, if a coordinate
+    /// is not finite, or if its absolute value is 1e116 or more.
     #[doc(alias = "generalized winding number")]
     pub fn winding_number(&self, point: &Point3<f64>) -> Result<Option<i32>, PointError> {
         check(0, point)?;

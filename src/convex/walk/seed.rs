@@ -49,7 +49,7 @@ pub(super) fn direction(posed: &PosedPair) -> Vector3<f64> {
         let Some(next) = solve(&(p * (1.0 - s) + q * s), &c) else {
             return x;
         };
-        // Scaled exactly: `next` is a product of five lengths, the squares of its heights of twelve.
+        // Scaled exactly: `next` is a product of five lengths, its squared heights of twelve.
         x = next / magnitude(next.amax());
         let (h, k) = (sqrt(x.dot(&(p * x))), sqrt(x.dot(&(q * x))));
         s = h / (h + k);

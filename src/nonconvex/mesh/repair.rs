@@ -22,16 +22,16 @@
 //!    that of its neighbour. Each set connected in this way keeps the orientation of most of its
 //!    area. Once the mesh is closed, its sheets that face inward are flipped (see
 //!    [`edges`](super::edges)).
-//! 3. **Cap.** A walk along the boundary cuts off a loop whenever it meets its own path, and prefers
-//!    the next vertex that does. So loops are short, and have no vertex twice. A loop of up to
+//! 3. **Cap.** A walk along the boundary cuts off a loop whenever it meets its own path, and
+//!    prefers the next vertex that does. So loops are short, and have no vertex twice. A loop of up to
 //!    [`LEAST_AREA`] corners gets the triangles of least total area. A longer loop is halved by the
 //!    shortest chord between opposite corners first: along a crack this chord crosses the crack.
 //!
 //! Caps have no corners of their own, so they bend with the mesh. All choices follow from positions
 //! and the order of indices: one mesh has one set of caps.
 //!
-//! Sources: Barequet and Sharir 1995, "Filling gaps in the boundary of a polyhedron" (loops, and the
-//! triangulation of least area). Departure: the boundary is signed, so a turned or a doubled
+//! Sources: Barequet and Sharir 1995, "Filling gaps in the boundary of a polyhedron" (loops, and
+//! the triangulation of least area). Departure: the boundary is signed, so a turned or a doubled
 //! triangle has a loop as well, and the result is closed for every input.
 
 use alloc::vec;
@@ -226,7 +226,8 @@ impl Mesh {
     /// let open = Mesh::new(&points, &triangles)?;
     /// assert_eq!(open.kind(), MeshKind::Open);
     ///
-    /// let (solid, repair) = Mesh::repaired(&points, &triangles, &RepairOptions::default())?;
+    /// let options = RepairOptions::default();
+    /// let (solid, repair) = Mesh::repaired(&points, &triangles, &options)?;
     /// assert_eq!(solid.kind(), MeshKind::Solid);
     /// assert_eq!((repair.turned.as_slice(), repair.caps.len()), (&[3][..], 1));
     /// assert!(solid.is_cap(repair.caps[0].first));

@@ -43,6 +43,7 @@ pub const KINDS: &[(&str, u64, Kind)] = &[
     ("mesh-self", 21, parts::mesh_self),
     ("bending", 22, parts::bending),
     ("faulty-meshes", 23, parts::faulty_meshes),
+    ("repairs", 55, parts::repairs),
     ("compounds", 25, parts::compounds),
     ("clouds", 44, parts::clouds),
     ("decompositions", 26, parts::decompositions),

@@ -6,7 +6,7 @@ use crate::{Random, Teller};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{
     Cloud, CloudElement, Compound, ConvexPatches, Decomposition, Geometry, GeometryRef, ManifoldOptions, Mesh,
-    PairTracker, QueryOptions, Ray, RayCaster, Shape,
+    PairTracker, PointQuery, QueryOptions, Ray, RayCaster, RepairOptions, Shape,
 };
 
 pub(super) fn parts<'g>(
@@ -114,24 +114,49 @@ pub(super) fn bending(t: &mut Teller, r: &mut Random) {
 }
 
 /// Triangles that repeat, turn over, have no area; holes.
-pub(super) fn faulty_meshes(t: &mut Teller, r: &mut Random) {
-    for _ in 0..t.rounds(300) {
-        let body = round(r, 30);
-        let mut points: Vec<_> = body.vertex_points().collect();
-        let mut triangles: Vec<[u32; 3]> = body.triangles().map(|c| c.map(|v| v.index() as u32)).collect();
-        for _ in 0..1 + r.below(6) {
-            let k = r.below(triangles.len() as u64) as usize;
-            match r.below(5) {
-                0 => triangles[k].swap(0, 1),
-                1 => drop(triangles.remove(k)),
-                2 => triangles.push(triangles[k]),
-                3 => triangles[k][2] = triangles[k][1],
-                _ => {
-                    points.push(points[triangles[k][0] as usize]);
-                    triangles[k][0] = points.len() as u32 - 1;
-                }
+/// Returns a round mesh with a few faults.
+fn faulty(r: &mut Random) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+    let body = round(r, 30);
+    let mut points: Vec<_> = body.vertex_points().collect();
+    let mut triangles: Vec<[u32; 3]> = body.triangles().map(|c| c.map(|v| v.index() as u32)).collect();
+    for _ in 0..1 + r.below(6) {
+        let k = r.below(triangles.len() as u64) as usize;
+        match r.below(5) {
+            0 => triangles[k].swap(0, 1),
+            1 => drop(triangles.remove(k)),
+            2 => triangles.push(triangles[k]),
+            3 => triangles[k][2] = triangles[k][1],
+            _ => {
+                points.push(points[triangles[k][0] as usize]);
+                triangles[k][0] = points.len() as u32 - 1;
             }
         }
+    }
+    (points, triangles)
+}
+
+pub(super) fn repairs(t: &mut Teller, r: &mut Random) {
+    for _ in 0..t.rounds(300) {
+        let (points, triangles) = faulty(r);
+        let options = RepairOptions::default().weld(r.pick(&[0.0, 0.0, 0.1, 0.3]));
+        match Mesh::repaired(&points, &triangles, &options) {
+            Ok((mesh, repair)) => {
+                t.tell("repair", repair);
+                t.tell("mesh", (mesh.report(), mesh.triangle_vertices(), mesh.volume()));
+                let query = PointQuery::new(&mesh);
+                for _ in 0..5 {
+                    let point = Point3::from(isometry(r, 0.9).translation.vector);
+                    t.tell("winding", query.winding_number(&point));
+                }
+            }
+            Err(e) => t.tell("error", e),
+        }
+    }
+}
+
+pub(super) fn faulty_meshes(t: &mut Teller, r: &mut Random) {
+    for _ in 0..t.rounds(300) {
+        let (points, triangles) = faulty(r);
         match Mesh::new(&points, &triangles) {
             Ok(mesh) => {
                 t.tell("report", mesh.report());
