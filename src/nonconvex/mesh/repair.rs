@@ -23,9 +23,10 @@
 //!    area. Once the mesh is closed, its sheets that face inward are flipped (see
 //!    [`edges`](super::edges)).
 //! 3. **Cap.** A walk along the boundary cuts off a loop whenever it meets its own path, and
-//!    prefers the next vertex that does. So loops are short, and have no vertex twice. A loop of up to
-//!    [`LEAST_AREA`] corners gets the triangles of least total area. A longer loop is halved by the
-//!    shortest chord between opposite corners first: along a crack this chord crosses the crack.
+//!    prefers the next vertex that does. So loops are short, and have no vertex twice. A loop of up
+//!    to [`LEAST_AREA`] corners gets the triangles of least total area. A longer loop is halved by
+//!    the shortest chord between opposite corners first: along a crack this chord crosses the
+//!    crack.
 //!
 //! Caps have no corners of their own, so they bend with the mesh. All choices follow from positions
 //! and the order of indices: one mesh has one set of caps.
@@ -58,8 +59,8 @@ use crate::body::polyhedron::bounding_box;
 pub struct RepairOptions {
     /// Points at most this far from an earlier point move to it, in the caller's unit.
     ///
-    /// 0 welds equal points alone. A tolerance above a sixteenth of the longest side of the bounding
-    /// box is an error.
+    /// 0 welds equal points alone. A tolerance above a sixteenth of the longest side of the
+    /// bounding box is an error.
     pub weld: f64,
     /// Whether triangles are turned, so that neighbours agree and a closed mesh faces outward.
     pub orient: bool,
@@ -169,8 +170,8 @@ pub struct MeshCap {
 /// the cube of the corners.
 const LEAST_AREA: usize = 40;
 
-/// Largest number of continuations of a walk that are compared with its path, at a vertex where many
-/// loops meet.
+/// Largest number of continuations of a walk that are compared with its path, at a vertex where
+/// many loops meet.
 const COMPARED: usize = 64;
 
 /// Largest tolerance of a weld, as a part of the longest side of the bounding box.
@@ -198,13 +199,13 @@ impl Mesh {
     /// holes. Also returns what was changed.
     ///
     /// With caps the result is a [`Solid`](super::MeshKind::Solid) for every input. Its winding
-    /// number is exact at every point, so sides, overlaps, depths and contacts are those of a closed
-    /// mesh. The triangles of caps belong to the surface: distances are measured to them, too. They
+    /// number is exact at every point, so sides, overlaps, depths and contacts are those of a
+    /// closed mesh. The triangles of caps belong to the surface: distances are measured to them, too. They
     /// count on from the caller's triangles, and [`is_cap`](Self::is_cap) tells them apart. The
     /// vertices are the caller's, so caps bend with [`set_vertices`](Self::set_vertices).
     ///
-    /// **When it is right.** A lost, turned or doubled triangle without another fault at its corners
-    /// is mended exactly. A larger hole is closed by triangles between its corners, as near to the
+    /// **When it is right.** A lost, turned or doubled triangle without another fault at its
+    /// corners is mended exactly. A larger hole is closed by triangles between its corners, as near to the
     /// lost surface as a surface of least area is; points between the two have no true side.
     ///
     /// **When not to use it.** Where the opening is meant, as in a cup, a pipe or a sheet: a cap
