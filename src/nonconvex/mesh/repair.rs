@@ -200,13 +200,14 @@ impl Mesh {
     ///
     /// With caps the result is a [`Solid`](super::MeshKind::Solid) for every input. Its winding
     /// number is exact at every point, so sides, overlaps, depths and contacts are those of a
-    /// closed mesh. The triangles of caps belong to the surface: distances are measured to them, too. They
-    /// count on from the caller's triangles, and [`is_cap`](Self::is_cap) tells them apart. The
-    /// vertices are the caller's, so caps bend with [`set_vertices`](Self::set_vertices).
+    /// closed mesh. The triangles of caps belong to the surface: distances are measured to them,
+    /// too. They count on from the caller's triangles, and [`is_cap`](Self::is_cap) tells them
+    /// apart. The vertices are the caller's, so caps bend with
+    /// [`set_vertices`](Self::set_vertices).
     ///
     /// **When it is right.** A lost, turned or doubled triangle without another fault at its
-    /// corners is mended exactly. A larger hole is closed by triangles between its corners, as near to the
-    /// lost surface as a surface of least area is; points between the two have no true side.
+    /// corners is mended exactly. A larger hole is closed by triangles between its corners, as near
+    /// to the lost surface as a surface of least area is; points between the two have no true side.
     ///
     /// **When not to use it.** Where the opening is meant, as in a cup, a pipe or a sheet: a cap
     /// closes it, and what reaches in overlaps the mesh. If two triangles of a component that face
