@@ -17,7 +17,7 @@
 //! | [`rooms`] | rooms full of hulls, and a robot that moves through them |
 //! | [`cells`], [`arm`] | an arm of meshes in its cell; an arm of hulls in its cell, drawn |
 //! | [`support`], [`forms`] | plain data as bodies and poses of the crate; bodies of every kind |
-//! | [`tally`] | counts that add themselves |
+//! | [`mod@tally`] | counts that add themselves |
 //! | [`driven`] | calls drawn from bytes and seeds, judged by brute force; readers of files |
 //! | [`pairs`] | pairs in the form of this crate and of parry, and their motions |
 //! | [`nets`] | control points of curved surfaces |
