@@ -336,7 +336,7 @@ fn needles_nearer_than_the_rounding_of_their_poses_keep_their_distance() {
 }
 
 #[test]
-#[ignore = "minutes: cargo test --release -p lin-canny --all-features --test meshes stand_ins -- --ignored"]
+#[ignore = "minutes: cargo test --release --all-features --test meshes stand_ins -- --ignored"]
 fn pieces_of_every_measure_are_those_of_the_body_in_many_pairs() {
     check(100);
 }
