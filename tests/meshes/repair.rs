@@ -260,13 +260,24 @@ fn scales_of_powers_of_two_change_no_choice() {
 #[test]
 fn a_tolerance_out_of_range_is_refused() {
     let soup = cube();
-    for tolerance in [-1.0, f64::NAN, f64::INFINITY, 0.13] {
+    for tolerance in [-1.0, f64::NAN, f64::INFINITY, 0.13, 5e-324] {
         let options = RepairOptions::default().weld(tolerance);
         let refused = Mesh::repaired(&points_of(&soup), &soup.triangles, &options);
         assert!(
             matches!(refused, Err(MeshError::Weld { extent: 2.0, .. })),
             "{refused:?}"
         );
+    }
+    let mut lost = points_of(&soup);
+    lost[7].y = f64::NAN;
+    for weld in [0.0, 0.1] {
+        let refused = Mesh::repaired(&lost, &soup.triangles, &RepairOptions::default().weld(weld));
+        assert!(matches!(refused, Err(MeshError::NotFinite { index: 7 })), "{refused:?}");
+    }
+    let far = soup.clone().map(|p| p.map(|x| 1e200 * x));
+    for weld in [0.0, 1e190] {
+        let refused = Mesh::repaired(&points_of(&far), &far.triangles, &RepairOptions::default().weld(weld));
+        assert!(matches!(refused, Err(MeshError::OutOfRange { .. })), "{refused:?}");
     }
     let missing = Mesh::repaired(&points_of(&soup), &[[0, 1, 9999]], &RepairOptions::default().weld(0.1));
     assert!(matches!(missing, Err(MeshError::IndexOutOfRange { .. })));

@@ -307,6 +307,9 @@ impl<'a> Repair<'a> {
 
     /// Moves the corners of triangles to the nearest representative within the tolerance.
     fn weld(&mut self) -> Result<(), MeshError> {
+        if let Some(index) = self.points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(MeshError::NotFinite { index });
+        }
         let mut is_used = vec![false; self.points.len()];
         self.triangles
             .iter()
@@ -317,7 +320,8 @@ impl<'a> Repair<'a> {
         let (low, high) = bounding_box(used.iter().map(|&v| place(v)));
         let extent = if used.is_empty() { 0.0 } else { largest(&(high - low)) };
         let tolerance = self.options.weld;
-        if !(tolerance > 0.0 && tolerance <= WELD_MOST * extent) {
+        // Cells are counted from one corner of the box to the other.
+        if !(tolerance > 0.0 && tolerance <= WELD_MOST * extent && extent / tolerance < f64::INFINITY) {
             return Err(MeshError::Weld { tolerance, extent });
         }
         let mut cells = Cells::new(used.len());
@@ -618,6 +622,10 @@ fn triangulate(points: &[Vector3<f64>], corners: &[u32], caps: &mut Vec<[u32; 3]
 ///
 /// The least area of corners i to j is that of a triangle i, k, j and of both sides of it.
 fn of_least_area(points: &[Vector3<f64>], corners: &[u32], caps: &mut Vec<[u32; 3]>) {
+    if let [a, b, c] = *corners {
+        caps.push([c, b, a]);
+        return;
+    }
     let n = corners.len();
     let mut best = [[(0.0f64, 0u8); LEAST_AREA]; LEAST_AREA];
     for span in 2..n {
