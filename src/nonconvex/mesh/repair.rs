@@ -359,7 +359,7 @@ impl<'a> Repair<'a> {
             self.cap(&welded, &sieved)?;
         }
         let mesh = self.built(welded, sieved, watch)?;
-        let Some(is_inward) = mesh.inward().filter(|_| self.options.orient) else {
+        let Some(is_inward) = self.options.orient.then(|| mesh.inward()).flatten() else {
             return Ok(self.reported(mesh));
         };
         let inward = mesh.source_triangles.iter().zip(is_inward).filter(|x| x.1);
