@@ -1,7 +1,11 @@
 //! Promise: a repaired mesh is closed, and its sides are exact and those of the mesh before the damage.
 
 use lin_canny::nalgebra::Point3;
-use lin_canny::{ContactState, Mesh, MeshError, MeshKind, MeshRepair, PairTracker, PointQuery, RepairOptions};
+use lin_canny::{
+    ContactState, Mesh, MeshError, MeshKind, MeshRepair, PairTracker, PointQuery, Progress, RepairOptions, VertexError,
+    WithProgress,
+};
+use std::ops::ControlFlow;
 use truth::driven::{played, repairs};
 use truth::soups::{self, Soup};
 
@@ -311,6 +315,62 @@ fn caps_bend() {
         (MeshKind::Solid, new.volume().to_bits())
     );
     assert_eq!(winding(&mesh, [0.0, 0.0, 1.8]), Some(1));
+}
+
+/// A cap on one line has no area, and might have one after its corners move.
+#[test]
+fn a_cap_on_one_line_does_not_bend() {
+    let mut soup = cube();
+    let [a, b, c] = soup.triangles[0];
+    let [p, q] = [a, b].map(|v| soup.points[v as usize]);
+    soup.points.push([0, 1, 2].map(|k| 0.5 * (p[k] + q[k])));
+    let middle = soup.points.len() as u32 - 1;
+    soup.triangles[0] = [a, middle, c];
+    soup.triangles.push([middle, b, c]);
+    // Closed along the line as it is; with one more hole, the line has a cap as well.
+    assert_eq!(repaired(&soup).1.caps.len(), 0);
+    soup.triangles.remove(100);
+    let (mut mesh, repair) = repaired(&soup);
+    assert_eq!(
+        (mesh.kind(), mesh.volume(), repair.caps.len()),
+        (MeshKind::Solid, 8.0, 2)
+    );
+    assert_eq!(mesh.report().degenerate.len(), 1);
+    let now = mesh.vertices();
+    let refused = mesh.set_vertices(&now).expect_err("it might open");
+    assert!(
+        matches!(refused, VertexError::Dropped { triangle } if mesh.is_cap(triangle)),
+        "{refused}"
+    );
+}
+
+#[test]
+fn a_repair_is_stopped_between_its_stages() {
+    let mut soup = soups::sphere(4);
+    soup.triangles.remove(0);
+    let (points, options) = (points_of(&soup), RepairOptions::default().weld(1e-6));
+    let mut stages = Vec::new();
+    let mut note = |now: Progress| {
+        stages.push(now.stage);
+        ControlFlow::Continue(())
+    };
+    let told = WithProgress::new(&mut note).repaired(&points, &soup.triangles, &options);
+    assert_eq!(told.expect("a mesh").1.caps.len(), 1);
+    assert!(
+        stages.contains(&"weld") && stages.contains(&"caps") && stages.contains(&"tree"),
+        "{stages:?}"
+    );
+    for stage in ["weld", "edges", "caps", "tree"] {
+        let mut stop = |now: Progress| {
+            if now.stage == stage {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        let stopped = WithProgress::new(&mut stop).repaired(&points, &soup.triangles, &options);
+        assert!(matches!(stopped, Err(MeshError::Stopped)), "{stage}");
+    }
 }
 
 /// Queries of a repaired mesh know an inside: a part in it overlaps, and a depth exists.

@@ -162,7 +162,8 @@ pub struct MeshCap {
     /// The corners of the loop, in the direction of the triangles that it bounds.
     pub corners: Vec<u32>,
     /// Index of the first triangle of the cap. Triangles of caps count on from those of the caller,
-    /// and a loop has two less than corners.
+    /// and a loop has two less than corners. Those without area are not in the mesh: the
+    /// [report](Mesh::report) lists them as degenerate.
     pub first: u32,
 }
 
@@ -203,7 +204,8 @@ impl Mesh {
     /// closed mesh. The triangles of caps belong to the surface: distances are measured to them,
     /// too. They count on from the caller's triangles, and [`is_cap`](Self::is_cap) tells them
     /// apart. The vertices are the caller's, so caps bend with
-    /// [`set_vertices`](Self::set_vertices).
+    /// [`set_vertices`](Self::set_vertices), which rejects a mesh with a cap whose corners are on
+    /// one line (a T-junction).
     ///
     /// **When it is right.** A lost, turned or doubled triangle without another fault at its
     /// corners is mended exactly. A larger hole is closed by triangles between its corners, as near
