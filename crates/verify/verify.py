@@ -407,7 +407,7 @@ def root_of(square):
 class Body:
     def __init__(self, line, scene):
         self.half = half_space(line["half"]) if "half" in line else None
-        flat = ("half",) if self.half else ("points", "parts", "faces", "ellipsoids", "radius", "radii", "larger")
+        flat = ("half",) if self.half else ("points", "parts", "faces", "ellipsoids", "radius", "radii", "larger", "repaired")
         only(line, "body", "name", "at", "link", "steady", *flat)
         count = len(scene.bodies)
         need(count < 4096 and whole(line["body"]) == count, f"body {count} is expected")
@@ -439,6 +439,7 @@ class Body:
         need(min([self.radius, *self.radii]) >= 0, "a negative radius")
         self.larger = number(line["larger"]) if "larger" in line else None
         need(self.larger is None or self.larger >= 0, "larger is negative")
+        self.repaired = text(line["repaired"]) if "repaired" in line else None
         self.name = text(get(line, "name"))
 
     def lists(self, value):
@@ -1494,10 +1495,13 @@ class Check:
             inside = "whether one is inside the other; their surfaces stay apart"
             unseen = [*self.grouped(sorted(scene.ignored.items()))]
             unseen += self.grouped((pair, inside) for pair in sorted(self.cut - self.hulls_apart))
-            told = ((body.name, body.larger) for body in scene.bodies if body.larger is not None)
-            says = "not looked at: how much larger {} is than the body it stands for; by at most {}, it says"
             yield from (f"not looked at: {x}" for x in unseen)
-            yield from (says.format(name, shown(larger)) for name, larger in told)
+            for body in scene.bodies:
+                if body.larger is not None:
+                    larger = f"how much larger {body.name} is than the body it stands for"
+                    yield f"not looked at: {larger}; by at most {shown(body.larger)}, it says"
+                if body.repaired is not None:
+                    yield f"not looked at: the mesh of {body.name} before its repair; changed, it says: {body.repaired}"
             count = len(scene.bodies)
             pairs = ((a, b) for a in range(count) for b in range(a + 1, count))
             resting = sum(not scene.moving(x) and x not in scene.ignored for x in pairs)

@@ -3,7 +3,7 @@
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{ContactState, Mesh, MeshKind, PairTracker, PointQuery, RepairOptions};
+use lin_canny::{ContactState, Mesh, MeshKind, MeshRepair, PairTracker, PointQuery, RepairOptions};
 use truth::Pose;
 use truth::driven::slots::union_of;
 use truth::rng::Rng;
@@ -16,10 +16,15 @@ fn wall_and_bar(fine: usize) -> [Soup; 2] {
     [wall.with(&window), bar([-8.0, 4.0, -0.5], [8.0, 6.0, 0.5])]
 }
 
+fn repair_of(mesh: &Mesh) -> &MeshRepair {
+    mesh.report().repair.as_deref().expect("a repaired mesh")
+}
+
 /// Returns the mesh with its triangles turned, and which were.
 fn oriented(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> (Mesh, Vec<u32>) {
-    let (mesh, repair) = Mesh::repaired(points, triangles, &RepairOptions::default().caps(false)).unwrap();
-    (mesh, repair.turned)
+    let mesh = Mesh::repaired(points, triangles, &RepairOptions::default().caps(false)).unwrap();
+    let turned = repair_of(&mesh).turned.clone();
+    (mesh, turned)
 }
 
 fn bar(low: [f64; 3], high: [f64; 3]) -> Soup {
@@ -274,10 +279,12 @@ fn what_no_turning_closes_stays_open_without_caps() {
     let mut rng = Rng::new(5);
     let points: Vec<_> = (0..6).map(|_| Point3::from(rng.in_ball())).collect();
     let options = RepairOptions::default().caps(false);
-    let (open, repair) = Mesh::repaired(&points, &plane, &options).unwrap();
+    let open = Mesh::repaired(&points, &plane, &options).unwrap();
+    let repair = repair_of(&open);
     assert_eq!(open.kind(), MeshKind::Open);
     assert!(!repair.one_sided_edges.is_empty());
-    let (solid, repair) = Mesh::repaired(&points, &plane, &RepairOptions::default()).unwrap();
+    let solid = Mesh::repaired(&points, &plane, &RepairOptions::default()).unwrap();
+    let repair = repair_of(&solid);
     assert_eq!(solid.kind(), MeshKind::Solid);
     assert!(!repair.one_sided_edges.is_empty() && !repair.caps.is_empty());
 }

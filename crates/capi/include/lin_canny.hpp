@@ -196,6 +196,15 @@ class Geometry : public Owner<lc_geometry, lc_geometry_free> {
                                 reporter.callback(), &reporter, &g));
     return Geometry(g);
   }
+  /// A solid from any triangles; `repair` says what was changed.
+  static Geometry repaired_mesh(Span<Point> points, Span<Triangle> triangles, double weld = 0,
+                                const Progress &progress = {}) {
+    lc_geometry g{0};
+    detail::Reporter reporter(progress);
+    reporter.finish(lc_mesh_repaired_new(detail::flat(points), points.size(), detail::flat(triangles), triangles.size(),
+                                         weld, reporter.callback(), &reporter, &g));
+    return Geometry(g);
+  }
   /// Row by row; with a base the mesh is a solid.
   static Geometry heights(Span<double> heights, std::size_t rows, std::size_t columns, double dx, double dy,
                           std::optional<double> base = {}) {
@@ -248,6 +257,12 @@ class Geometry : public Owner<lc_geometry, lc_geometry_free> {
   lc_geometry_info info() const {
     lc_geometry_info found;
     check(lc_geometry_get_info(get(), &found, sizeof found));
+    return found;
+  }
+  /// What the repair of a mesh has changed; zeros if the geometry was not repaired.
+  lc_mesh_repair repair() const {
+    lc_mesh_repair found;
+    check(lc_geometry_get_repair(get(), &found, sizeof found));
     return found;
   }
   /// The least corner and the greatest.

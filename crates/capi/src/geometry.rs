@@ -6,8 +6,8 @@ use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::BoxHint;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
-    Cloud, CloudElement, Compound, ConvexPolyhedron, Geometry, GeometryKind, HalfSpace, Mesh, MeshKind, Piece, Shape,
-    WithProgress,
+    Cloud, CloudElement, Compound, ConvexPolyhedron, Geometry, GeometryKind, HalfSpace, Mesh, MeshKind, Piece,
+    RepairOptions, Shape, WithProgress,
 };
 
 use crate::border::{Status, bad_argument, error, guarded, lc_status, refused};
@@ -79,6 +79,29 @@ pub struct lc_geometry_info {
 // SAFETY: numbers only.
 unsafe impl Plain for lc_geometry_info {
     const FIRST: usize = 40;
+}
+
+/// What a repair of a mesh has changed.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct lc_mesh_repair {
+    /// Number of points that moved to another one within the tolerance.
+    pub welded: u64,
+    /// Number of triangles that were inverted.
+    pub turned: u64,
+    /// Number of holes that were closed. Their triangles count on from those given.
+    pub caps: u64,
+    /// Number of points of the longest loop around a hole.
+    pub longest_loop: u64,
+    /// Area of the triangles that close holes, as a share of the area of the mesh, from 0 to 1.
+    pub cap_share: f64,
+    /// 1 if the triangles cancel in pairs, so that nothing is inside.
+    pub is_empty: u32,
+}
+
+// SAFETY: numbers only.
+unsafe impl Plain for lc_mesh_repair {
+    const FIRST: usize = 48;
 }
 
 static GEOMETRIES: Table<Geometry> = Table::new(1, "geometry");
@@ -323,6 +346,42 @@ pub unsafe extern "C" fn lc_mesh_new(
     })
 }
 
+/// Makes a mesh as `lc_mesh_new` does, after a repair of cracks, inverted triangles and holes: a
+/// solid for all input. `lc_geometry_get_repair` says what was changed.
+///
+/// Points at most `weld` from an earlier point move to it; zero welds equal points alone. Do not
+/// repair a mesh whose opening is meant, as that of a cup: what reaches in would overlap the mesh.
+///
+/// # Safety
+/// As of `lc_mesh_new`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lc_mesh_repaired_new(
+    xyz: *const f64,
+    vertices: usize,
+    indices: *const u32,
+    triangles: usize,
+    weld: f64,
+    progress: lc_progress,
+    context: *mut c_void,
+    out: *mut lc_geometry,
+) -> lc_status {
+    guarded(|| {
+        // SAFETY: by the caller's contract.
+        let xyz = unsafe { table(xyz, vertices, 3, "xyz") }?;
+        // SAFETY: by the caller's contract.
+        let indices = unsafe { table(indices, triangles, 3, "indices") }?;
+        // SAFETY: by the caller's contract.
+        let out = unsafe { Place::new(out, "out") }?;
+        // SAFETY: by the caller's contract.
+        let mut reporter = unsafe { Reporter::new(progress, context) };
+        let (points, triangles) = (points(xyz), self::triangles(indices));
+        let options = RepairOptions::default().weld(weld);
+        let mesh = WithProgress::new(&mut |p| reporter.report(p)).repaired(&points, triangles, &options);
+        reporter.finish()?;
+        give(out, mesh.map_err(refused)?)
+    })
+}
+
 /// Makes the mesh of a height field of `rows` by `columns` values, row by row.
 ///
 /// The value of row i and column j is the z at x = j * dx and y = i * dy. `base` may be null: the
@@ -456,6 +515,38 @@ pub unsafe extern "C" fn lc_surface_new(
         let all: Result<Vec<_>, _> = xyz.chunks(columns).enumerate().map(patch).collect();
         let surface = all.and_then(BezierSurface::new);
         give(out, surface.map_err(refused)?)
+    })
+}
+
+/// Writes what the repair of a mesh has changed: zeros for a geometry that was not repaired.
+/// `out_size` is `sizeof(lc_mesh_repair)`.
+///
+/// # Safety
+/// `out` points to `out_size` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lc_geometry_get_repair(
+    geometry: lc_geometry,
+    out: *mut lc_mesh_repair,
+    out_size: usize,
+) -> lc_status {
+    guarded(|| {
+        // SAFETY: by the caller's contract.
+        let out = unsafe { Places::new(out, out_size, 1, "out") }?;
+        let geometry = shared(geometry)?;
+        let repair = match &geometry {
+            Geometry::Mesh(mesh) => mesh.report().repair.as_deref(),
+            _ => None,
+        };
+        let told = repair.map(|repair| lc_mesh_repair {
+            welded: repair.welded as u64,
+            turned: repair.turned.len() as u64,
+            caps: repair.caps.len() as u64,
+            longest_loop: repair.longest_loop() as u64,
+            cap_share: repair.cap_share,
+            is_empty: u32::from(repair.is_empty),
+        });
+        out.write(0, told.unwrap_or_default());
+        Ok(())
     })
 }
 

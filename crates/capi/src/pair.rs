@@ -606,7 +606,9 @@ pub unsafe extern "C" fn lc_pair_cast(
         let given = unsafe { self::options(options, options_size, "options") }?;
         // SAFETY: by the caller's contract.
         let out = unsafe { Places::new(out, out_size, 1, "out") }?;
-        let mut options = CastOptions::default().tolerance(Tolerance::Distance(given.tolerance)).distance(given.distance);
+        let mut options = CastOptions::default()
+            .tolerance(Tolerance::Distance(given.tolerance))
+            .distance(given.distance);
         options.start_contact_margin = (given.flags & LC_ACCEPT_START != 0).then_some(given.start_contact_margin);
         let found = PAIRS.with(pair.id, |Pair { a, b, tracker }| {
             let (bodies, times) = ([(&*a).into(), (&*b).into()], 0.0..given.duration);

@@ -85,6 +85,7 @@ static void pairs(void) {
   printf("NaN: %s\n", lc_last_error());
   uint32_t triangle[3] = {0, 1, 8}, sizes[2] = {3, 0xffffffffu};
   EXPECT(lc_mesh_new(cube, 8, triangle, 1, NULL, NULL, &g), LC_REFUSED);
+  EXPECT(lc_mesh_repaired_new(cube, 8, triangle, 1, 0, NULL, NULL, &g), LC_REFUSED);
   EXPECT(lc_faces_new(cube, 8, sizes, 2, triangle, 3, &g), LC_ARGUMENT);
   double radius[4] = {-1, 1, 0, 0};
   EXPECT(lc_shape_new(LC_CYLINDER, radius, 2, &g), LC_REFUSED);
@@ -580,7 +581,8 @@ static lc_status geometry_call(int i, int j) {
   double out[6];
   for (int n = 0; n < 24; ++n) t[n] = any() % 6, cells[n] = (uint16_t)(any() % 5);
   for (int n = 0; n < 4; ++n) q[n] = here, q[n].translation[0] = v[n], sizes[n] = any() % 5;
-  switch (any() % 14) {
+  lc_mesh_repair repair;
+  switch (any() % 16) {
     case 0: return lc_hull_new(MAYBE(v), count_of(20), NULL, NULL, MAYBE(&g[i]));
     case 1: return lc_polygon_new(MAYBE(v), count_of(8), MAYBE(&g[i]));
     case 2: return lc_faces_new(v, count_of(8), MAYBE(sizes), count_of(4), t, count_of(24), &g[i]);
@@ -593,6 +595,8 @@ static lc_status geometry_call(int i, int j) {
     case 10: return lc_voxels_new(MAYBE(v), v + 3, MAYBE(cells), count_of(8), &g[i]);
     case 11: return lc_surface_new(any() % 3, any() % 3, MAYBE(v), any() % 2 ? v : NULL, count_of(3), &g[i]);
     case 12: return any() % 2 ? lc_geometry_get_info(g[i], MAYBE(&info), size_of(sizeof info)) : lc_geometry_box(g[i], q, MAYBE(out));
+    case 13: return lc_mesh_repaired_new(MAYBE(v), count_of(8), t, count_of(8), v[60], NULL, NULL, MAYBE(&g[i]));
+    case 14: return lc_geometry_get_repair(g[i], MAYBE(&repair), size_of(sizeof repair));
     default: return lc_geometry_free(g[i]);
   }
 }

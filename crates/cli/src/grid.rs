@@ -28,6 +28,10 @@ pub(crate) struct GridOptions {
 }
 
 impl GridOptions {
+    pub(crate) fn is_given(&self) -> bool {
+        self.grid.is_some()
+    }
+
     /// Computes and writes the grid, if there is one.
     pub(crate) fn run(&self, file: &Path, mesh: &Mesh) -> Result<(), ToolError> {
         let (Some(count), Some(out)) = (self.grid, &self.out) else {

@@ -19,6 +19,7 @@ mod end;
 mod film;
 mod find_excluded;
 mod grid;
+mod inspect;
 mod options;
 mod pair_boxes;
 mod plan;
@@ -40,7 +41,7 @@ Exit codes:
   0  every row is clear, every segment is proven free, a path was found, a file was written, a
      receipt holds, or `audit` decided every pair
   1  a row is in contact or closer than required, a segment is blocked, a receipt does not hold,
-     or a pair excluded as `Never` can meet
+     a pair excluded as `Never` can meet, or `inspect` found something to repair
   2  wrong arguments
   3  a file is invalid or cannot be written
   4  undecided: a pair is within rounding error of contact or of its required distance, or `audit`
@@ -79,6 +80,9 @@ enum Command {
     FindExcluded(find_excluded::FindExcludedOptions),
     /// Compute the signed distances of points, or of the nodes of a grid, from a mesh
     Points(points::PointOptions),
+    /// List what keeps a mesh from being a solid: holes, inverted triangles, crossings; and what a repair
+    /// would change
+    Inspect(inspect::InspectOptions),
     /// Check a receipt of `certify` in exact arithmetic, and print what it proves
     Verify(verify::VerifyOptions),
 }
@@ -136,6 +140,7 @@ fn main() -> ExitCode {
         Command::Cover(options) => cover::run(&options),
         Command::FindExcluded(options) => find_excluded::run(&options),
         Command::Points(options) => points::run(&options),
+        Command::Inspect(options) => inspect::run(&options),
         Command::Verify(options) => verify::run(&options),
     };
     match found {

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Mesh, MeshKind, PointOutcome, PointQuery, RepairOptions};
+use lin_canny::{ContactState, Mesh, MeshError, MeshKind, PointOutcome, PointQuery, RepairOptions};
 use lin_canny_cli::output::progress;
 use lin_canny_formats::{Invalid, MeshFile, PointFile};
 
@@ -15,6 +15,17 @@ use crate::text::write;
 
 /// Number of points between two updates of the progress bar.
 const BLOCK: usize = 1 << 16;
+
+/// What a repaired mesh is used for.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Repair {
+    /// The mesh as given
+    None,
+    /// The sides of points; distances are to the given triangles alone
+    Sides,
+    /// Sides and distances: the triangles that close a hole are a part of the surface
+    Surface,
+}
 
 #[derive(Args)]
 pub(crate) struct PointOptions {
@@ -29,9 +40,10 @@ pub(crate) struct PointOptions {
     /// `invalid` and no more
     #[arg(long, value_name = "OUT.csv", requires = "points")]
     csv: Option<PathBuf>,
-    /// Repair the mesh first: turn inverted triangles and close holes, so that it has an inside
-    #[arg(long)]
-    repair: bool,
+    /// What a repair is used for that turns inverted triangles and closes holes, so that the mesh has an
+    /// inside
+    #[arg(long, value_enum, value_name = "USE", default_value = "none")]
+    repair: Repair,
     #[command(flatten)]
     grid: GridOptions,
 }
@@ -47,39 +59,60 @@ pub(crate) fn run(options: &PointOptions) -> Result<End, ToolError> {
     let read = MeshFile::load(&options.mesh)?;
     let (points, triangles) = read.whole();
     let corners: Vec<_> = points.into_iter().map(Point3::from).collect();
-    let mesh = if options.repair {
-        let found = Mesh::repaired(&corners, &triangles, &RepairOptions::default());
-        let (mesh, repair) = found.map_err(|e| invalid(&options.mesh, e))?;
-        say!("repaired the mesh: {repair}");
-        mesh
-    } else {
-        Mesh::new(&corners, &triangles).map_err(|e| invalid(&options.mesh, e))?
+    let told = |error: MeshError| invalid(&options.mesh, error);
+    let mut solid = None;
+    if options.repair != Repair::None {
+        let repaired = Mesh::repaired(&corners, &triangles, &RepairOptions::default()).map_err(told)?;
+        let repair = repaired.report().repair.as_deref();
+        say!("repaired the mesh: {}", repair.cloned().unwrap_or_default());
+        solid = Some(repaired);
+    }
+    let mesh = match solid.take_if(|_| options.repair == Repair::Surface) {
+        Some(solid) => solid,
+        None => Mesh::new(&corners, &triangles).map_err(told)?,
     };
-    if mesh.kind() == MeshKind::Open {
+    if mesh.kind() == MeshKind::Open && solid.is_none() {
         let count = mesh.report().boundary_edges.len();
         warn!(
-            "the mesh is open ({count} boundary edges): it has no inside, and no distance is negative; `--repair` \
-            closes it"
+            "the mesh is open ({count} boundary edges): it has no inside, and no distance is negative; `--repair \
+            surface` closes it"
         );
     }
     if let Some(file) = &options.points {
-        measure(file, options, &mesh)?;
+        measure(file, options, &mesh, solid.as_ref())?;
+    }
+    if solid.is_some() && options.grid.is_given() {
+        let reason = "a grid has no `--repair sides`: a signed distance would jump at the holes";
+        return Err(invalid(&options.mesh, reason));
     }
     options.grid.run(&options.mesh, &mesh)?;
     Ok(End::Free)
 }
 
-/// Measures the points of a file.
-fn measure(file: &Path, options: &PointOptions, mesh: &Mesh) -> Result<(), ToolError> {
+/// Measures the points of a file. Their sides are those of the solid, if there is one.
+fn measure(file: &Path, options: &PointOptions, mesh: &Mesh, solid: Option<&Mesh>) -> Result<(), ToolError> {
     let rows = PointFile::read_with(file, Invalid::Keep)?.points.to_f64();
     // A depth image has points without a return: each has a row, and no answer.
     let is_valid = |point: &[f64; 3]| point.iter().all(|x| x.is_finite());
     let points: Vec<_> = rows.iter().filter(|p| is_valid(p)).copied().map(Point3::from).collect();
     let query = PointQuery::new(mesh).prepared_for(points.len());
+    let sides = solid.map(|solid| PointQuery::new(solid).prepared_for(points.len()));
     let bar = progress("points", points.len() as u64);
     let mut found: Vec<PointOutcome> = Vec::with_capacity(points.len());
     for block in points.chunks(BLOCK) {
+        let first = found.len();
         found.extend(query.closest_points(block).map_err(|e| invalid(file, e))?);
+        if let Some(sides) = &sides {
+            let inside = sides.contains_each(block).map_err(|e| invalid(file, e))?;
+            found[first..]
+                .iter_mut()
+                .zip(inside)
+                .filter(|(at, is_inside)| *is_inside && at.state == ContactState::Separated)
+                .for_each(|(at, _)| {
+                    at.state = ContactState::Overlapping;
+                    (at.distance, at.lower, at.upper) = (-at.distance, -at.upper, -at.lower);
+                });
+        }
         bar.set_position(found.len() as u64);
     }
     bar.finish_and_clear();

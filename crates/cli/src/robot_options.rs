@@ -168,6 +168,7 @@ impl RobotOptions {
         cell.widen_limits(self.limit_slack);
         warn_of_skipped(&skipped);
         warn_of_turned_triangles(&robot);
+        print_repairs(&cell);
         if self.hull_fit {
             print_hull_fits(&robot);
         }
@@ -201,11 +202,26 @@ fn warn_of_turned_triangles(robot: &Robot) {
             let edges = geometry.report().misoriented_edges.len();
             if edges > 0 {
                 warn!(
-                    "warning: mesh {} of link {} has no inside: triangles are inverted at {edges} edges",
+                    "warning: mesh {} of link {} has no inside: triangles are inverted at {edges} edges; \
+                     `--geometry solid` repairs it",
                     mesh.display(),
                     link.name
                 );
             }
+        }
+    }
+}
+
+/// Prints which meshes were changed when they were made solid, and how.
+fn print_repairs(cell: &Cell) {
+    let obstacles = cell.obstacles().map(|(name, geometry, _)| (name, geometry));
+    let attached = cell
+        .attached()
+        .map(|(_, object)| (object.name.as_str(), &object.geometry));
+    for (name, geometry) in cell.robot_bodies().chain(attached).chain(obstacles) {
+        let Geometry::Mesh(mesh) = geometry else { continue };
+        if let Some(repair) = mesh.report().repair.as_deref().filter(|repair| !repair.is_nothing()) {
+            say!("repaired the mesh of {name}: {repair}");
         }
     }
 }

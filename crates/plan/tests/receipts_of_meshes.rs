@@ -4,7 +4,9 @@ use lin_canny::impact::Tolerance;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Compound, ContactState, Geometry, Mesh, Outcome, PairTracker, Piece, RelativePose, Shape, Velocity};
+use lin_canny::{
+    Compound, ContactState, Geometry, Mesh, Outcome, PairTracker, Piece, RelativePose, RepairOptions, Shape, Velocity,
+};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
     Cell, Checker, Joint, JointMotion, JointTree, RangeOptions, RangeProver, TranslationSpace, Verdict,
@@ -63,6 +65,23 @@ fn moved(rod: Geometry, around: Geometry) -> Checker<TranslationSpace> {
 fn frames() -> [Geometry; 2] {
     let mesh = frame().to_mesh().expect("a mesh");
     [frame().into(), mesh.into()]
+}
+
+#[test]
+fn a_receipt_says_that_a_mesh_was_repaired() {
+    let block = Mesh::from_convex(&solids::cuboid(Vector3::repeat(0.5)).expect("a box")).expect("a mesh");
+    let (points, triangles) = (block.vertices(), block.triangle_vertices());
+    let repaired = |triangles: &[[u32; 3]]| Mesh::repaired(&points, triangles, &RepairOptions::default());
+    for (kept, expected) in [(11, true), (12, false)] {
+        let solid = repaired(&triangles[..kept]).expect("a mesh");
+        let mut checker = moved(rod(0), solid.into());
+        let motion = JointMotion::segment(&[2.0, 0.0, -3.0], &[2.0, 0.0, 3.0]);
+        let receipt = Receipt::motion(&mut checker, &motion).expect("a receipt");
+        let [_, said] = holds(&receipt);
+        let what = "not looked at: the mesh of frame before its repair; changed, it says: 1 cap (8.33 % of the area, at \
+                    most 3 corners)";
+        assert_eq!(said.contains(what), expected, "{said}");
+    }
 }
 
 const INSIDE: &str = "whether one is inside the other";

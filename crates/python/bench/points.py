@@ -3,6 +3,7 @@
     pip install trimesh scipy rtree embreex libigl open3d
     python bench/points.py --csv points.csv             # about half an hour
     python bench/points.py --quick --csv points.csv     # fewer points
+    python bench/points.py --quick --damage both        # of a mesh with holes and inverted triangles
 
 A torus of 1,000, 100,000 and 1,000,000 triangles has its vertices on a lattice of 2^-16, and points
 are on one of 2^-24. So integers of 64 bits give the exact winding number. Scenes: `near`, a hundredth
@@ -14,6 +15,9 @@ Columns: scene, shape, number of triangles, engine, nanoseconds of CPU time of a
 (least of the rounds, after the engine's own preparation), points, and wrong signs. A distance of
 zero off the surface is a wrong sign. libigl makes its tree in every call, which is counted. `embree` and `ours contains` find the sign alone. Open3D takes
 32-bit numbers, to which the points and the mesh are rounded.
+
+`--damage` takes triangles that share no vertex away (`lost`), inverts them (`turned`), or does one or the other
+(`both`); `patch` takes away connected triangles. The true sign is that of the whole torus. `ours` repairs the mesh first.
 
 Each engine works in a separate process, which ends after `--limit` seconds for each mesh; slow
 engines get fewer points, the first of the scene. The script prints what it leaves out, and why.
@@ -45,6 +49,26 @@ def torus(count):
     a, b, c, d = ((i + x) % n * m + (j + y) % m for x, y in ((0, 0), (1, 0), (1, 1), (0, 1)))
     triangles = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
     return np.rint(vertices / COARSE).astype(np.int64), triangles
+
+
+def damaged(kind, triangles, share, rng):
+    """Return the triangles with a share of them lost or inverted."""
+    count = max(1, int(share * len(triangles)))
+    if kind == "patch":
+        # Rows of a torus: neighbours have numbers near each other.
+        first = rng.integers(len(triangles) // 2 - count)
+        return np.delete(triangles, slice(first, first + count), axis=0)
+    used, chosen = set(), []
+    for t in rng.permutation(len(triangles)):
+        corners = set(triangles[t].tolist())
+        if len(chosen) < count and not used & corners:
+            used |= corners
+            chosen.append(t)
+    is_turned = {"lost": 0.0, "turned": 1.0, "both": 0.5}[kind] > rng.random(len(chosen))
+    found, chosen = triangles.copy(), np.array(chosen)
+    turned = chosen[is_turned]
+    found[turned] = found[turned][:, ::-1]
+    return np.delete(found, chosen[~is_turned], axis=0)
 
 
 def points_of(scene, rng, vertices, triangles, count):
@@ -153,7 +177,7 @@ def truth(vertices, triangles):
 def ours(vertices, triangles):
     import lin_canny as lc
 
-    geometry = lc.Geometry.mesh(vertices, triangles)
+    geometry = lc.Geometry.repaired_mesh(vertices, triangles)
     return lambda points: lc.signed_distance(geometry, points)
 
 
@@ -194,7 +218,7 @@ def of_libigl(kind):
 def sides(vertices, triangles):
     import lin_canny as lc
 
-    geometry = lc.Geometry.mesh(vertices, triangles)
+    geometry = lc.Geometry.repaired_mesh(vertices, triangles)
     return lambda points: np.where(lc.contains(geometry, points), -1.0, 1.0)
 
 
@@ -206,6 +230,7 @@ ENGINES = {
     "open3d": of_open3d,
     "libigl pseudonormal": of_libigl("PSEUDONORMAL"),
     "libigl fast winding": of_libigl("FAST_WINDING_NUMBER"),
+    "libigl winding": of_libigl("WINDING_NUMBER"),
 }
 
 
@@ -270,6 +295,8 @@ def main():
     parser.add_argument("--limit", type=float, help="seconds of an engine on one mesh")
     parser.add_argument("--total", type=float, help="seconds in all, after which engines are left out")
     parser.add_argument("--engines", nargs="+", choices=list(ENGINES), default=list(ENGINES))
+    parser.add_argument("--damage", choices=["lost", "turned", "both", "patch"], help="faults of the mesh")
+    parser.add_argument("--share", type=float, default=0.01, help="share of triangles with a fault")
     parser.add_argument("--csv", help="output file (default: the standard output)")
     options = parser.parse_args()
     defaults = (4000, 2, 24.0, 330.0) if options.quick else (20_000, 3, 100.0, 3600.0)
@@ -291,13 +318,17 @@ def main():
         signs_of = truth(steps, triangles)
         signs = {scene: signs_of(points) for scene, points in asked.items()}
         scenes = {scene: points * FINE for scene, points in asked.items()}
+        shape = "torus"
+        if options.damage:
+            triangles = damaged(options.damage, triangles, options.share, rng)
+            shape = f"torus {100 * options.share:g} % {options.damage}"
         mesh = (steps * COARSE, triangles)
         for name in options.engines:
             limit = min(options.limit, max(0.0, end - time.monotonic()))
             for scene, ns, found in answers(name, mesh, scenes, options, limit):
                 true = signs[scene][: len(found)]
                 wrong = int((found != true)[true != 0].sum())
-                out.writerow([scene, "torus", len(triangles), name, f"{ns:.1f}", len(found), wrong])
+                out.writerow([scene, shape, len(triangles), name, f"{ns:.1f}", len(found), wrong])
                 file.flush()
 
 

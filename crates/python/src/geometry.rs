@@ -125,6 +125,13 @@ impl Geometry {
         }
     }
 
+    /// What the repair of this mesh has changed; None unless `repaired_mesh` made it.
+    #[getter]
+    fn repair_report(&self) -> Option<MeshRepair> {
+        let Body::Mesh(mesh) = &self.0 else { return None };
+        mesh.report().repair.clone().map(MeshRepair)
+    }
+
     /// A ball that contains the geometry: centre, shape (3,), and radius; 1e100 for a half-space.
     #[getter]
     fn bounding_ball<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f64>>, f64) {

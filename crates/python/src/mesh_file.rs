@@ -100,7 +100,6 @@ impl MeshFile {
                     .into(),
                 "solid" => Mesh::repaired(&positions(&points), &triangles, &RepairOptions::default())
                     .map_err(|e| e.to_string())?
-                    .0
                     .into(),
                 "pieces" => {
                     let pieces = self

@@ -139,10 +139,12 @@ def test_turned_triangles_are_turned_back():
     triangles = np.array(cube.triangles)
     triangles[[3, 7]] = triangles[[3, 7]][:, ::-1]
     assert not lc.Geometry.mesh(cube.vertices, triangles).is_solid
-    solid, repair = lc.Geometry.repaired_mesh(cube.vertices, triangles, caps=False)
+    solid = lc.Geometry.repaired_mesh(cube.vertices, triangles, caps=False)
+    repair = solid.repair_report
     assert solid.is_solid
     assert (repair.turned, repair.caps) == ([3, 7], [])
-    assert not lc.Geometry.repaired_mesh(cube.vertices, triangles[1:], caps=False)[0].is_solid
+    assert not lc.Geometry.repaired_mesh(cube.vertices, triangles[1:], caps=False).is_solid
+    assert cube.repair_report is None
 
 
 def test_a_mesh_with_a_hole_has_an_inside_after_its_repair():
@@ -153,16 +155,17 @@ def test_a_mesh_with_a_hole_has_an_inside_after_its_repair():
     assert lc.contains(open_mesh, points[:2]).tolist() == [False, False]
     with pytest.raises(lc.GeometryError, match="this mesh has no winding number"):
         lc.winding_number(open_mesh, points)
-    solid, repair = lc.Geometry.repaired_mesh(cube.vertices, triangles)
+    solid = lc.Geometry.repaired_mesh(cube.vertices, triangles)
+    repair = solid.repair_report
     assert solid.is_solid and len(repair.caps) == 1 and len(repair.caps[0]) == 3
-    assert repr(repair) == "<MeshRepair: 1 caps (8.33 % of the area, at most 3 corners)>"
+    assert repr(repair) == "<MeshRepair: 1 cap (8.33 % of the area, at most 3 corners)>"
     winding = lc.winding_number(solid, points, threads=2)
     assert winding.dtype == np.int32
     assert winding.tolist() == [1, 0, np.iinfo(np.int32).min]
     soup = np.asarray(cube.vertices)[triangles].reshape(-1, 3)
     jittered = soup + np.random.default_rng(3).uniform(-1e-4, 1e-4, soup.shape)
-    solid, repair = lc.Geometry.repaired_mesh(jittered, np.arange(33).reshape(-1, 3), weld=1e-3)
-    assert repair.welded == 33 - 8 and lc.winding_number(solid, points[:2]).tolist() == [1, 0]
+    solid = lc.Geometry.repaired_mesh(jittered, np.arange(33).reshape(-1, 3), weld=1e-3)
+    assert solid.repair_report.welded == 33 - 8 and lc.winding_number(solid, points[:2]).tolist() == [1, 0]
     with pytest.raises(lc.GeometryError, match="tolerance of the weld is out of range"):
         lc.Geometry.repaired_mesh(soup, np.arange(33).reshape(-1, 3), weld=-1.0)
 

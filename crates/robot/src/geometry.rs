@@ -185,7 +185,7 @@ pub(crate) fn of_soup(
     match usage {
         MeshUse::Mesh => return Ok((Geometry::from(mesh()?), None)),
         MeshUse::Solid => {
-            let (solid, _) = Mesh::repaired(&points, &triangles, &RepairOptions::default()).map_err(wrong)?;
+            let solid = Mesh::repaired(&points, &triangles, &RepairOptions::default()).map_err(wrong)?;
             return Ok((Geometry::from(solid), None));
         }
         MeshUse::Hull | MeshUse::Pieces => {}

@@ -250,6 +250,7 @@ pub(super) fn assemble(
             misoriented_edges: found.misoriented,
             parts,
             flushed_coordinates: welded.flushed,
+            repair: None,
         },
         stiff: match sieved.collinear {
             Some(triangle) => Some(Stiff::Dropped { triangle }),

@@ -35,6 +35,7 @@
 //! the triangulation of least area). Departure: the boundary is signed, so a turned or a doubled
 //! triangle has a loop as well, and the result is closed for every input.
 
+use alloc::boxed::Box;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
@@ -42,6 +43,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::build::{self, MOST, Sieved, Welded};
 use super::edges;
+use super::report::write_count;
 use super::{Mesh, MeshError};
 use crate::base::callbacks::{self, Watch, WithProgress};
 use crate::base::num::each::Each;
@@ -98,7 +100,8 @@ impl RepairOptions {
     }
 }
 
-/// What a repair has changed. Indices are the caller's.
+/// What a repair has changed, in the [report](super::MeshReport::repair) of the mesh. Indices are
+/// the caller's.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -120,6 +123,12 @@ pub struct MeshRepair {
 }
 
 impl MeshRepair {
+    /// Returns whether nothing was changed.
+    #[must_use]
+    pub fn is_nothing(&self) -> bool {
+        self.welded == 0 && self.turned.is_empty() && self.caps.is_empty()
+    }
+
     /// Returns the number of corners of the longest loop; 0 without caps.
     #[must_use]
     pub fn longest_loop(&self) -> usize {
@@ -130,14 +139,18 @@ impl MeshRepair {
 impl fmt::Display for MeshRepair {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let found = [
-            (self.welded, "points welded"),
-            (self.turned.len(), "triangles turned"),
-            (self.one_sided_edges.len(), "edges of a surface with one side"),
-            (self.caps.len(), "caps"),
+            (self.welded, ["point welded", "points welded"]),
+            (self.turned.len(), ["triangle turned", "triangles turned"]),
+            (
+                self.one_sided_edges.len(),
+                ["edge of a surface with one side", "edges of a surface with one side"],
+            ),
+            (self.caps.len(), ["cap", "caps"]),
         ];
         let mut is_first = true;
-        for (count, what) in found.into_iter().filter(|x| x.0 > 0) {
-            write!(f, "{}{count} {what}", if is_first { "" } else { ", " })?;
+        for (count, nouns) in found.into_iter().filter(|x| x.0 > 0) {
+            f.write_str(if is_first { "" } else { ", " })?;
+            write_count(f, count, nouns)?;
             is_first = false;
         }
         if is_first {
@@ -190,14 +203,14 @@ impl WithProgress<'_> {
         points: &[Point3<f64>],
         triangles: &[[u32; 3]],
         options: &RepairOptions,
-    ) -> Result<(Mesh, MeshRepair), MeshError> {
+    ) -> Result<Mesh, MeshError> {
         repaired(points, triangles, options, &mut self.watch)
     }
 }
 
 impl Mesh {
     /// Builds a mesh after repairing what keeps it from being a solid: cracks, turned triangles and
-    /// holes. Also returns what was changed.
+    /// holes. The report of the mesh says [what was changed](super::MeshReport::repair).
     ///
     /// With caps the result is a [`Solid`](super::MeshKind::Solid) for every input. Its winding
     /// number is exact at every point, so sides, overlaps, depths and contacts are those of a
@@ -216,6 +229,11 @@ impl Mesh {
     /// opposite sides meet only at edges of more than two triangles, caps may lie across the solid;
     /// look at [`MeshRepair::cap_share`].
     ///
+    /// **Sides alone.** Where distances, contacts and rays are to meet the given triangles only,
+    /// keep both meshes. Ask the one of [`new`](Self::new) for distances, and the repaired one for
+    /// sides, winding numbers and overlaps. No mesh answers both: a signed distance would jump at a
+    /// cap, and a pair that reaches through an opening would overlap at a positive distance.
+    ///
     /// The repair of a mesh takes up to twice the time of its [build](Self::new).
     ///
     /// ```
@@ -231,8 +249,9 @@ impl Mesh {
     /// assert_eq!(open.kind(), MeshKind::Open);
     ///
     /// let options = RepairOptions::default();
-    /// let (solid, repair) = Mesh::repaired(&points, &triangles, &options)?;
+    /// let solid = Mesh::repaired(&points, &triangles, &options)?;
     /// assert_eq!(solid.kind(), MeshKind::Solid);
+    /// let repair = solid.report().repair.as_deref().unwrap();
     /// assert_eq!((repair.turned.as_slice(), repair.caps.len()), (&[3][..], 1));
     /// assert!(solid.is_cap(repair.caps[0].first));
     /// assert!(PointQuery::new(&solid).contains(&Point3::new(0.9, 0.9, 0.9))?);
@@ -251,7 +270,7 @@ impl Mesh {
         points: &[Point3<f64>],
         triangles: &[[u32; 3]],
         options: &RepairOptions,
-    ) -> Result<(Self, MeshRepair), MeshError> {
+    ) -> Result<Self, MeshError> {
         repaired(points, triangles, options, &mut Watch::none())
     }
 
@@ -267,7 +286,7 @@ fn repaired(
     triangles: &[[u32; 3]],
     options: &RepairOptions,
     watch: &mut Watch<'_>,
-) -> Result<(Mesh, MeshRepair), MeshError> {
+) -> Result<Mesh, MeshError> {
     let found = Repair::new(points, triangles, options, watch).and_then(|repair| repair.finished(watch));
     found.inspect_err(|why| callbacks::refused("a mesh", why))
 }
@@ -346,7 +365,7 @@ impl<'a> Repair<'a> {
     }
 
     /// Orients, caps, builds, and turns what faces inward.
-    fn finished(mut self, watch: &mut Watch<'_>) -> Result<(Mesh, MeshRepair), MeshError> {
+    fn finished(mut self, watch: &mut Watch<'_>) -> Result<Mesh, MeshError> {
         let mut all = build::sieved(self.points, &self.triangles, watch)?;
         if self.options.orient && !all.2.closed {
             let turned = self.disagreeing(&all.0, &all.1);
@@ -464,7 +483,8 @@ impl<'a> Repair<'a> {
         Ok(build::assemble(welded, sieved, found, given, watch)?)
     }
 
-    fn reported(mut self, mesh: Mesh) -> (Mesh, MeshRepair) {
+    /// Adds what was changed to the report of the mesh.
+    fn reported(mut self, mut mesh: Mesh) -> Mesh {
         let given = self.triangles.len();
         let turned = (0..given as u32).filter(|k| self.is_turned[*k as usize]);
         self.report.turned = turned.collect();
@@ -478,7 +498,8 @@ impl<'a> Repair<'a> {
         let whole: f64 = each().map(|x| area(x.0)).sum();
         self.report.cap_share = if caps > 0.0 { caps / whole } else { 0.0 };
         self.report.is_empty = mesh.is_solid() && cancel(&mesh.triangles);
-        (mesh, self.report)
+        mesh.report.repair = Some(Box::new(self.report));
+        mesh
     }
 }
 

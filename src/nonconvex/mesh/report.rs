@@ -10,11 +10,12 @@
 //!     window (cavity)   --<--    |                 its end, in the same plane
 //! ```
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::fmt;
 use nalgebra::{Isometry3, Vector3};
 
-use super::Mesh;
+use super::{Mesh, MeshRepair};
 use crate::base::callbacks::{Stopped, Watch, WithProgress};
 use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
@@ -283,37 +284,61 @@ pub struct MeshReport {
     ///
     /// They were below `2^-200` of the extent, where exact predicates would go out of range.
     pub flushed_coordinates: usize,
+    /// What [`Mesh::repaired`](super::Mesh::repaired) has changed before the build; `None` if the
+    /// mesh was built as given. All other fields are about the repaired mesh.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub repair: Option<Box<MeshRepair>>,
 }
 
 impl fmt::Display for MeshReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} of {} vertices and {} triangles in {} parts",
-            self.kind,
-            self.vertices,
-            self.triangles,
-            self.parts.len()
+            "{} of {} vertices and {} triangles in ",
+            self.kind, self.vertices, self.triangles
         )?;
-        let found = [
-            (self.welded, "points welded"),
-            (self.unused, "points unused"),
-            (self.degenerate.len(), "degenerate triangles dropped"),
-            (self.repeated.len(), "repeated triangles dropped"),
-            (self.boundary_edges.len(), "boundary edges"),
-            (self.non_manifold_edges.len(), "non-manifold edges"),
-            (self.misoriented_edges.len(), "edges of triangles turned over"),
-            (self.flushed_coordinates, "coordinates flushed to zero"),
-        ];
-        for (count, what) in found.into_iter().filter(|x| x.0 > 0) {
-            write!(f, ", {count} {what}")?;
-        }
+        write_count(f, self.parts.len(), ["part", "parts"])?;
         let inward = self.parts.iter().filter(|p| p.volume < 0.0).count();
-        if inward > 0 {
-            write!(f, ", {inward} parts facing inward")?;
+        let found = [
+            (self.welded, ["point welded", "points welded"]),
+            (self.unused, ["point unused", "points unused"]),
+            (
+                self.degenerate.len(),
+                ["degenerate triangle dropped", "degenerate triangles dropped"],
+            ),
+            (
+                self.repeated.len(),
+                ["repeated triangle dropped", "repeated triangles dropped"],
+            ),
+            (self.boundary_edges.len(), ["boundary edge", "boundary edges"]),
+            (
+                self.non_manifold_edges.len(),
+                ["non-manifold edge", "non-manifold edges"],
+            ),
+            (
+                self.misoriented_edges.len(),
+                ["edge of a triangle turned over", "edges of triangles turned over"],
+            ),
+            (
+                self.flushed_coordinates,
+                ["coordinate flushed to zero", "coordinates flushed to zero"],
+            ),
+            (inward, ["part facing inward", "parts facing inward"]),
+        ];
+        for (count, nouns) in found.into_iter().filter(|x| x.0 > 0) {
+            f.write_str(", ")?;
+            write_count(f, count, nouns)?;
         }
-        Ok(())
+        match &self.repair {
+            Some(repair) => write!(f, "; repaired: {repair}"),
+            None => Ok(()),
+        }
     }
+}
+
+/// Writes a number with the singular or the plural of a noun.
+pub(super) fn write_count(f: &mut fmt::Formatter<'_>, count: usize, [one, many]: [&str; 2]) -> fmt::Result {
+    write!(f, "{count} {}", if count == 1 { one } else { many })
 }
 
 /// Defects of a mesh that a clean solid does not have. Indices are the caller's.

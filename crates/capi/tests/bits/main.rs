@@ -10,8 +10,8 @@ use std::ptr::{null, null_mut};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
-use lin_canny::{BoxHint, Outcome, RayCast, RelativePose};
-use lin_canny::{Cloud, CloudElement, Compound, ConvexPolyhedron, Feature, Geometry, HalfSpace, Mesh, Piece, Shape};
+use lin_canny::{BoxHint, Outcome, RayCast, RelativePose, RepairOptions, Shape};
+use lin_canny::{Cloud, CloudElement, Compound, ConvexPolyhedron, Feature, Geometry, HalfSpace, Mesh, Piece};
 use lin_canny_c::*;
 
 /// Queries of each kind.
@@ -213,6 +213,17 @@ fn geometries() -> Vec<(Geometry, lc_geometry)> {
     // SAFETY: arrays of the stated lengths.
     let mesh = written(|out| unsafe { lc_mesh_new(vertices, 8, indices, 12, None, null_mut(), out) });
     all.push((Mesh::new(&points(&cube), &triangles).unwrap().into(), mesh));
+    // SAFETY: arrays of the stated lengths.
+    let repaired = written(|out| unsafe { lc_mesh_repaired_new(vertices, 8, indices, 11, 0.0, None, null_mut(), out) });
+    // SAFETY: a place of the stated size.
+    let repair = written(|out| unsafe { lc_geometry_get_repair(repaired, out, size_of::<lc_mesh_repair>()) });
+    assert_eq!((repair.caps, repair.longest_loop, repair.is_empty), (1, 3, 0));
+    let solid = Mesh::repaired(&points(&cube), &triangles[..11], &RepairOptions::default()).unwrap();
+    assert_eq!(
+        solid.report().repair.as_deref().map(|of| of.cap_share),
+        Some(repair.cap_share)
+    );
+    all.push((solid.into(), repaired));
     // SAFETY: arrays of the stated lengths.
     let balls = written(|out| unsafe { lc_cloud_new(cloud.as_ptr().cast(), 60, 0.0625, null(), out) });
     all.push((

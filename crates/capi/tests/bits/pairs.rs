@@ -156,7 +156,9 @@ fn contacts_have_the_bits_of_rust() {
             // SAFETY: two poses, and places for 512 contacts.
             let status =
                 unsafe { lc_pair_contacts(pair, &here(), &there, 0.125, most as u32, place, size, 512, &mut count) };
-            let options = ManifoldOptions::default().prediction(0.125).max_points(if most == 0 { 4 } else { most });
+            let options = ManifoldOptions::default()
+                .prediction(0.125)
+                .max_points(if most == 0 { 4 } else { most });
             let Ok(groups) = tracker.contacts(a, b, &relative(&pose_b), &options) else {
                 assert_eq!(status, lc_status::LC_REFUSED, "{name}");
                 continue;
@@ -198,7 +200,9 @@ fn casts_have_the_bits_of_rust() {
             ];
             let accepts = k % 2 == 1;
             let distance = if k % 3 == 0 { 0.0625 } else { 0.0 };
-            let mut options = CastOptions::default().tolerance(Tolerance::Distance(1e-6)).distance(distance);
+            let mut options = CastOptions::default()
+                .tolerance(Tolerance::Distance(1e-6))
+                .distance(distance);
             options.start_contact_margin = accepts.then_some(0.25);
             let bodies = [a.into(), b.into()];
             let r = tracker.cast_from_contact(bodies, &motions[0], &motions[1], 0.0..2.0, &options, None);

@@ -72,6 +72,7 @@
 //! * A mesh is stated as its triangles, and a closed one as a solid. A receipt proves that surfaces
 //!   stay apart. It proves that no body is inside the other if the hulls are apart at one time; or
 //!   else a checker says that it did not look at this. A distance is that of the surfaces.
+//!   Of a mesh that [`Mesh::repaired`](lin_canny::Mesh::repaired) has changed, it states the result and says what was changed.
 //! * A Bézier surface (feature `surfaces`) is stated as triangles with a radius that contain it. The receipt says by how much they are
 //!   larger, at most. They are refined until the evidence holds: to a radius of 1/16,384 of the size.
 //! * A piece of a compound is stated by its vertices and semi-axes in the frame of the body, which are rounded.

@@ -16,7 +16,7 @@ use crate::motion::joint::TreeJoint;
 use crate::motion::space::JointPath;
 use lin_canny::motion::{Motion, Steady, Velocity};
 use lin_canny::polyhedron::ConvexPolyhedron;
-use lin_canny::{Compound, Geometry};
+use lin_canny::{Compound, Geometry, MeshRepair};
 
 /// Greatest number of vertices of a body.
 const VERTICES: usize = 1 << 18;
@@ -61,6 +61,8 @@ pub(super) struct Body {
     /// The body or each of its parts itself, if it is not the hull of its points; empty if all are.
     pub(super) curved: Vec<Option<Geometry>>,
     /// The radius of each part; empty if all have that of the body.
+    /// What a repair has changed in the mesh.
+    repaired: Option<String>,
     pub(super) radii: Vec<f64>,
     /// The greatest radius of a part.
     pub(super) radius: f64,
@@ -114,6 +116,7 @@ impl Body {
             radii: Vec::new(),
             radius: 0.0,
             larger: 0.0,
+            repaired: None,
             way,
         };
         let stated = match geometry {
@@ -121,7 +124,11 @@ impl Body {
                 body.half = Some((half.normal().into_inner(), half.offset()));
                 return Ok(body);
             }
-            Geometry::Mesh(mesh) => StatedParts::of_mesh(mesh),
+            Geometry::Mesh(mesh) => {
+                let repair = mesh.report().repair.as_deref().filter(|repair| !repair.is_nothing());
+                body.repaired = repair.map(MeshRepair::to_string);
+                StatedParts::of_mesh(mesh)
+            }
             #[cfg(feature = "surfaces")]
             Geometry::BezierSurface(surface) => {
                 let (stated, larger) =
@@ -216,6 +223,9 @@ impl Body {
             let _ = write!(text, ",\"radii\":{}", hexes(&self.radii));
         } else if self.radius > 0.0 {
             let _ = write!(text, ",\"radius\":\"{}\"", hex(self.radius));
+        }
+        if let Some(repaired) = &self.repaired {
+            let _ = write!(text, ",\"repaired\":\"{}\"", plain(repaired));
         }
         if self.larger > 0.0 {
             let _ = write!(text, ",\"larger\":\"{}\"", hex(self.larger));

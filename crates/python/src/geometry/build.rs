@@ -5,7 +5,7 @@ use lin_canny::{ConvexPolyhedron, HalfSpace, Mesh, RepairOptions, Shape, ShapeEr
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
 
-use super::{Geometry, MeshRepair};
+use super::Geometry;
 use crate::array::{Argument, contiguous, points, rows, shape_text, vector};
 use crate::errors::geometry_error;
 
@@ -112,7 +112,8 @@ impl Geometry {
         Ok(Self(mesh.map_err(geometry_error)?.into()))
     }
 
-    /// Returns the mesh after a repair of cracks, inverted triangles and holes, and what was changed.
+    /// Returns the mesh after a repair of cracks, inverted triangles and holes; `repair_report` says what
+    /// was changed.
     ///
     /// With caps the result is a solid for every input: its sides and winding numbers are exact. Triangles
     /// of caps count on from those given.
@@ -131,12 +132,11 @@ impl Geometry {
         weld: f64,
         orient: bool,
         caps: bool,
-    ) -> PyResult<(Self, MeshRepair)> {
+    ) -> PyResult<Self> {
         let (vertices, triangles) = (points(vertices, VERTICES)?, triangles_of(triangles)?);
         let options = RepairOptions::default().weld(weld).orient(orient).caps(caps);
-        let found = py.detach(|| Mesh::repaired(&vertices, &triangles, &options));
-        let (mesh, repair) = found.map_err(geometry_error)?;
-        Ok((Self(mesh.into()), MeshRepair(repair)))
+        let mesh = py.detach(|| Mesh::repaired(&vertices, &triangles, &options));
+        Ok(Self(mesh.map_err(geometry_error)?.into()))
     }
 
     /// Returns the mesh of a `trimesh.Trimesh`, or of any object with `vertices` and `faces`.

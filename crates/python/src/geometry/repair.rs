@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 /// What `Geometry.repaired_mesh` has changed. Indices are those given.
 #[pyclass(frozen, module = "lin_canny")]
-pub(crate) struct MeshRepair(pub(super) Report);
+pub(crate) struct MeshRepair(pub(super) Box<Report>);
 
 #[pymethods]
 impl MeshRepair {

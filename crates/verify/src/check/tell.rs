@@ -81,6 +81,11 @@ impl Check {
                     format!("how much larger {name} is than the body it stands for; by at most {larger}, it says");
                 self.report.not_looked_at.push(text.into());
             }
+            if let Some(repaired) = &body.repaired {
+                let name = &body.name;
+                let text = format!("the mesh of {name} before its repair; changed, it says: {repaired}");
+                self.report.not_looked_at.push(text.into());
+            }
         }
         if resting > 0 {
             let pairs = if resting == 1 { "pair" } else { "pairs" };

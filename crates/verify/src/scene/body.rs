@@ -48,6 +48,8 @@ pub(crate) struct Body {
     pub(crate) radius: RBig,
     /// By how much it is larger than the body that it stands for, as the writer says.
     pub(crate) larger: Option<Real>,
+    /// What was changed to make a solid of the triangles, as the writer says.
+    pub(crate) repaired: Option<String>,
     pub(crate) motion: Motion,
     pub(crate) moves: bool,
 }
@@ -83,6 +85,7 @@ impl Scene {
             "radius",
             "radii",
             "larger",
+            "repaired",
             "at",
             "link",
             "steady",
@@ -156,6 +159,7 @@ impl Scene {
         if larger.is_some_and(|larger| larger < Real::ZERO) {
             return Stop::bad("larger is negative");
         }
+        let repaired = line.find("repaired").map(Json::text).transpose()?.map(Into::into);
         let name = line.get("name")?.text()?.into();
         self.bodies.push(Body {
             name,
@@ -167,6 +171,7 @@ impl Scene {
             radii,
             radius,
             larger,
+            repaired,
             motion,
             moves,
         });

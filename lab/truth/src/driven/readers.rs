@@ -8,12 +8,12 @@ use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use lin_canny::scene::Scene;
-use lin_canny::{Geometry, PairTracker, QueryOptions, RelativePose, Replay};
+use lin_canny::{Geometry, Mesh, MeshKind, PairTracker, PointQuery, QueryOptions, RelativePose, RepairOptions, Replay};
 use lin_canny_formats::{Grid, Invalid, MeshFile, PointFile};
 use lin_canny_plan::{Cell, Checker, ConfigurationSpace, JointCurve, RangeAnswer};
 use lin_canny_robot::record::{Cursor, Recording};
 use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Srdf, Trajectory, csv_text};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Point3, Vector3};
 pub use peak_alloc::PeakAlloc;
 
 /// Most bytes that a reader may hold at a time: so many, and so many for each byte of the file.
@@ -24,6 +24,9 @@ const REPEATED: usize = 128 << 20;
 
 /// Words of the files that may ask for them: COLLADA, glTF as JSON and GLB, MJCF, SDFormat.
 const REPEATING: [&str; 5] = ["COLLADA", "asset", "glTF", "mujoco", "sdf"];
+
+/// Most triangles of a mesh that is repaired.
+const REPAIRED: usize = 10_000;
 
 /// Longest time of a reader, in debug builds and on a busy machine.
 const TIME: Duration = Duration::from_secs(10);
@@ -75,7 +78,7 @@ static ROBOT: LazyLock<Robot> = LazyLock::new(|| {
 ///
 /// # Panics
 /// Panics if a mesh has an index out of range, a point that is not finite or not used, or no
-/// triangle, or if time or memory are out of bounds.
+/// triangle, if the repaired mesh is open, or if time or memory are out of bounds.
 pub fn meshes(data: &[u8]) {
     let Some((first, bytes)) = data.split_first() else {
         return;
@@ -102,6 +105,31 @@ pub fn meshes(data: &[u8]) {
         assert!(object.points.iter().flatten().all(|x| x.is_finite()));
     }
     assert!(file.skipped.iter().all(|skipped| !skipped.what.is_empty()));
+    repair(&file, f64::from(*first % 3) * 0.01);
+}
+
+/// Repairs a mesh that is not too large.
+fn repair(file: &MeshFile, weld: f64) {
+    let (points, triangles) = file.whole();
+    if triangles.len() > REPAIRED {
+        return;
+    }
+    let points: Vec<_> = points.into_iter().map(Point3::from).collect();
+    let options = RepairOptions::default().weld(weld);
+    if let Ok(mesh) = Mesh::repaired(&points, &triangles, &options) {
+        assert_eq!(mesh.kind(), MeshKind::Solid);
+        let repair = mesh.report().repair.as_deref().expect("a repaired mesh");
+        assert!((0.0..=1.0).contains(&repair.cap_share), "{repair}");
+        let middle = mesh
+            .vertices()
+            .iter()
+            .fold(Vector3::zeros(), |sum, p| sum + p.coords / mesh.vertex_count() as f64);
+        let winding = PointQuery::new(&mesh).winding_number(&Point3::from(middle));
+        assert!(
+            winding.is_ok_and(|w| w.is_none_or(|w| w == 0 || !repair.is_empty)),
+            "{repair}"
+        );
+    }
 }
 
 /// Reads a grid.

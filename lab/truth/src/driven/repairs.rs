@@ -165,8 +165,9 @@ pub fn play(seed: u64) -> Result<Mix, String> {
     let repaired = |soup: &Soup, options: &RepairOptions| {
         Mesh::repaired(&given(soup), &soup.triangles, options).map_err(|e| format!("{what}: {e}"))
     };
-    let (whole, _) = repaired(&base, &RepairOptions::default())?;
-    let (mesh, repair) = repaired(&soup, &options)?;
+    let whole = repaired(&base, &RepairOptions::default())?;
+    let mesh = repaired(&soup, &options)?;
+    let repair = mesh.report().repair.as_deref().ok_or("no report of a repair")?;
     if mesh.kind() != MeshKind::Solid {
         return Err(format!("{what}: it is open: {repair}"));
     }
