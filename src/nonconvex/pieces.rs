@@ -300,7 +300,7 @@ impl Compound {
     /// The mesh has a bound of the position error of its points, because the vertices of posed
     /// pieces are rounded. The result is `None` if there is no such mesh: a piece has no volume, or
     /// the mesh would change its surface.
-    pub(crate) fn stand_in(&self) -> Option<Mesh> {
+    pub(crate) fn surface_mesh(&self) -> Option<Mesh> {
         let has_volume = |p: &Piece| matches!(p.shape.core(), Core::Polyhedron(body) if body.face_count() > 2);
         if !self.pieces.iter().all(has_volume) {
             return None;

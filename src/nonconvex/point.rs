@@ -22,7 +22,7 @@ use crate::base::tolerance::{FAR_POINT, POINT_HEIGHT, ROUND_UP};
 use crate::nonconvex::mesh::{Mesh, tracker};
 use crate::nonconvex::near_parts::NearItems;
 use crate::nonconvex::query::inside::ExactSigns;
-use crate::nonconvex::query::near::{self, NearRoom, NearTriangle};
+use crate::nonconvex::query::near::{self, NearMemory, NearTriangle};
 use crate::nonconvex::query::triangle::{self, Triangle, TriangleSpot};
 use crate::nonconvex::simple_surface::SimpleSurface;
 use crate::pair::draft::unit;
@@ -41,19 +41,19 @@ impl Mesh {
         &self,
         point: &Point3<f64>,
         surface: Option<&SimpleSurface>,
-        room: &mut MeshRoom,
+        memory: &mut MeshMemory,
     ) -> PointOutcome {
         let stored = self.stored_point(point);
         let p = &stored.place;
-        let near = self.nearest_triangle(p, -1.0, &mut room.near);
-        let near = self.refined(p, near, &room.near.found);
-        let known = room.known.filter(|known| known.holds_at(self, p));
+        let near = self.nearest_triangle(p, -1.0, &mut memory.near);
+        let near = self.refined(p, near, &memory.near.found);
+        let known = memory.known.filter(|known| known.holds_at(self, p));
         let state = match known {
             _ if stored.is_far => ContactState::Separated,
             Some(known) => known.state,
-            None => self.side_of_near(p, surface, &room.near),
+            None => self.side_of_near(p, surface, &memory.near),
         };
-        room.known = Some(KnownSide {
+        memory.known = Some(KnownSide {
             mesh: self.fingerprint,
             at: *p,
             free: near.lower,
@@ -67,14 +67,14 @@ impl Mesh {
     #[cfg(feature = "__internals")]
     pub(crate) fn work_of_point(&self, point: &Point3<f64>) -> [usize; 2] {
         let stored = self.stored_point(point);
-        let mut room = NearRoom::default();
-        self.nearest_triangle(&stored.place, -1.0, &mut room);
+        let mut memory = NearMemory::default();
+        self.nearest_triangle(&stored.place, -1.0, &mut memory);
         let mut crossings = 0;
         self.winding_about(&stored.place, |_| {
             crossings += 1;
             true
         });
-        [room.leaves, crossings]
+        [memory.leaves, crossings]
     }
 
     /// Returns the closest triangle with the narrowest bounds: see [`near::refined`].
@@ -117,16 +117,16 @@ impl Mesh {
         stored
     }
 
-    /// Returns the side of a point whose closest triangles are in the room.
-    fn side_of_near(&self, p: &Vector3<f64>, surface: Option<&SimpleSurface>, room: &NearRoom) -> ContactState {
-        if room.found.iter().any(|t| t.contains(p, &self.corners(t.item))) {
+    /// Returns the side of a point whose closest triangles are in the memory.
+    fn side_of_near(&self, p: &Vector3<f64>, surface: Option<&SimpleSurface>, memory: &NearMemory) -> ContactState {
+        if memory.found.iter().any(|t| t.contains(p, &self.corners(t.item))) {
             return ContactState::Touching;
         }
         let is_out = |k: usize| p[k] < self.low[k] || p[k] > self.high[k];
         if !self.is_solid() || (0..3).any(is_out) {
             return ContactState::Separated;
         }
-        let voted = surface.and_then(|surface| surface.winding_by_vote(self, p, &room.found));
+        let voted = surface.and_then(|surface| surface.winding_by_vote(self, p, &memory.found));
         match voted.or_else(|| self.winding_about(p, |_| true)) {
             Some(0) => ContactState::Separated,
             Some(_) => ContactState::Overlapping,
@@ -272,8 +272,8 @@ impl StoredPoint {
 
 /// Room of queries of points and meshes, reused from point to point.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct MeshRoom {
-    pub(crate) near: NearRoom,
+pub(crate) struct MeshMemory {
+    pub(crate) near: NearMemory,
     known: Option<KnownSide>,
 }
 

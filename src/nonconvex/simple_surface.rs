@@ -23,7 +23,7 @@ use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::parts::Parted;
 use crate::nonconvex::query::frame::TreeFrame;
 use crate::nonconvex::query::inside::ExactSigns;
-use crate::nonconvex::query::near::{NearRoom, NearTriangle};
+use crate::nonconvex::query::near::{NearMemory, NearTriangle};
 use crate::nonconvex::query::triangle::{self, Triangle};
 
 /// Number of triangles that may vote; a point with more is decided by its winding number.
@@ -81,17 +81,17 @@ impl SimpleSurface {
                 *best = (size, t);
             }
         }
-        let mut room = NearRoom::default();
+        let mut memory = NearMemory::default();
         for (sheet, &(square, t)) in largest.iter().enumerate().filter(|(_, best)| best.0 > 0.0) {
             let normal = triangle::normal(&mesh.corners(t));
             let length = sqrt(square);
             let out = normal / length * sqrt(length);
             let front = REVEALING.iter().find_map(|part| {
                 let p = mesh.flushed(&(mesh.triangle_middle(t) + out * *part));
-                mesh.nearest_triangle(&p, -1.0, &mut room);
+                mesh.nearest_triangle(&p, -1.0, &mut memory);
                 let is_own = |t: &NearTriangle| self.sheets[t.item as usize] as usize == sheet;
-                let above = vote(mesh, &p, room.found.iter().filter(|t| is_own(t)))?;
-                if !room.found.iter().all(is_own) {
+                let above = vote(mesh, &p, memory.found.iter().filter(|t| is_own(t)))?;
+                if !memory.found.iter().all(is_own) {
                     return None;
                 }
                 Some(mesh.winding(&p)? - i32::from(above < 0))

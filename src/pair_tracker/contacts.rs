@@ -4,8 +4,9 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 use nalgebra::Point3;
 
-use super::lent_pair::LentPair;
-use super::tracker::{Followed, PairTracker};
+use super::borrowed_pair::BorrowedPair;
+use super::engine::TrackedPair;
+use super::tracker::PairTracker;
 use super::tracker::{PairError, refused};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
@@ -21,15 +22,22 @@ use crate::nonconvex::parts::{Parted, relative};
 use crate::nonconvex::penetration::{Narrowing, PenetrationBounds};
 use crate::nonconvex::pieces::{Compound, CompoundTracker};
 use crate::pair::options::QueryOptions;
-use crate::pair_tracker::geometry::{GeometryRef, Lent};
+use crate::pair_tracker::geometry::{Borrowed, GeometryRef};
 
 /// The contacts of a pair.
 #[derive(Clone, Debug)]
-pub(super) enum PairContacts {
+pub(crate) enum PairContacts {
     /// Two convex bodies.
     Convex(Box<ConvexContacts>),
     /// A compound or a mesh, and any other body.
     Patches(Box<PatchwiseContacts>),
+}
+
+impl PairContacts {
+    /// Returns the contacts of a pair with a body that is not convex, none so far.
+    pub(crate) fn of_patches() -> Self {
+        Self::Patches(Box::default())
+    }
 }
 
 /// The contacts of a pair with a compound, a mesh, a cloud or a half-space.
@@ -37,7 +45,7 @@ pub(super) enum PairContacts {
 pub(crate) struct PatchwiseContacts {
     tracker: ContactTracker,
     /// The patches of bodies for which the caller has made none.
-    stand_ins: [Option<ConvexPatches>; 2],
+    copies: [Option<ConvexPatches>; 2],
     /// The elements of clouds near the other body.
     near: [Option<NearElements>; 2],
     /// The contacts of a pair with a half-space or a cloud, which are not as the tracker has them.
@@ -106,17 +114,17 @@ impl PatchwiseContacts {
         self.converted = None;
         for (k, own) in bodies.into_iter().enumerate() {
             let is_known = |known: &ConvexPatches| own.mesh().is_none_or(|mesh| known.are_of(mesh));
-            if patches[k].is_none() && !self.stand_ins[k].as_ref().is_some_and(is_known) {
-                self.stand_ins[k] = patches_of(own);
+            if patches[k].is_none() && !self.copies[k].as_ref().is_some_and(is_known) {
+                self.copies[k] = patches_of(own);
             }
         }
-        let is_cloud = |k: usize| matches!(bodies[k].0, Lent::Cloud(_));
-        if (0..2).any(|k| !is_cloud(k) && patches[k].is_none() && self.stand_ins[k].is_none()) {
+        let is_cloud = |k: usize| matches!(bodies[k].0, Borrowed::Cloud(_));
+        if (0..2).any(|k| !is_cloud(k) && patches[k].is_none() && self.copies[k].is_none()) {
             return None;
         }
         let balls = bodies.each(GeometryRef::bounding_ball);
         for (k, own) in bodies.into_iter().enumerate() {
-            let Lent::Cloud(cloud) = own.0 else { continue };
+            let Borrowed::Cloud(cloud) = own.0 else { continue };
             let at = relative(pose);
             let (centre, radius) = balls[1 - k];
             let centre = if k == 0 {
@@ -132,7 +140,7 @@ impl PatchwiseContacts {
         }
         let part = |k: usize| {
             let near = self.near[k].as_ref().map(|near| &near.patches);
-            near.or(patches[k]).or(self.stand_ins[k].as_ref())
+            near.or(patches[k]).or(self.copies[k].as_ref())
         };
         let found = self.tracker.contacts(part(0)?, part(1)?, pose, options);
         if self.near.iter().all(Option::is_none) {
@@ -160,19 +168,19 @@ impl PatchwiseContacts {
 /// Returns the patches of a body; `None` for a cloud, a Bézier surface and a half-space.
 pub(crate) fn patches_of(own: GeometryRef) -> Option<ConvexPatches> {
     match own.0 {
-        Lent::Mesh(mesh) => Some(ConvexPatches::from_mesh(mesh.to_arc())),
-        Lent::Compound(body) => Some(ConvexPatches::from_compound(body.to_arc())),
-        Lent::Polyhedron(_) | Lent::Convex(_) => own.to_shape().map(|s| ConvexPatches::from((*s).clone())),
+        Borrowed::Mesh(mesh) => Some(ConvexPatches::from_mesh(mesh.to_arc())),
+        Borrowed::Compound(body) => Some(ConvexPatches::from_compound(body.to_arc())),
+        Borrowed::Polyhedron(_) | Borrowed::Convex(_) => own.to_shape().map(|s| ConvexPatches::from((*s).clone())),
         #[cfg(feature = "surfaces")]
-        Lent::BezierSurface(_) => None,
-        Lent::Cloud(_) | Lent::HalfSpace(_) => None,
+        Borrowed::BezierSurface(_) => None,
+        Borrowed::Cloud(_) | Borrowed::HalfSpace(_) => None,
     }
 }
 
 /// The contacts of two convex bodies: their manifold, and its points as the contacts of one patch
 /// per body.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ConvexContacts {
+pub(crate) struct ConvexContacts {
     manifold: Manifold,
     found: Vec<ContactGroup>,
 }
@@ -248,17 +256,17 @@ impl PairTracker {
         options: &ManifoldOptions,
     ) -> Result<&[ContactGroup], PairError> {
         let [a, b] = [a.into(), b.into()];
-        let Followed { engine, contacts, .. } = self.follow([a, b]);
+        let TrackedPair { engine, contacts, .. } = self.follow([a, b]);
         let new = || {
             if a.kind().is_convex() && b.kind().is_convex() {
                 PairContacts::Convex(Box::default())
             } else {
-                PairContacts::Patches(Box::default())
+                PairContacts::of_patches()
             }
         };
         match contacts.get_or_insert_with(new) {
             PairContacts::Convex(convex) => {
-                engine.lend([a, b]).manifold(a_from_b, options, &mut convex.manifold);
+                engine.borrow([a, b]).manifold(a_from_b, options, &mut convex.manifold);
                 Ok(convex.found())
             }
             PairContacts::Patches(kept) => {
@@ -354,7 +362,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
     ) -> Option<PenetrationBounds> {
-        self.lend([a.into(), b.into()]).penetration(a_from_b, None)
+        self.borrow([a.into(), b.into()]).penetration(a_from_b, None)
     }
 
     /// Returns bounds of the penetration depth of two solids, narrowed to a width.
@@ -402,11 +410,11 @@ impl PairTracker {
         options: &QueryOptions,
     ) -> Option<PenetrationBounds> {
         let narrowing = Narrowing::new(options);
-        self.lend([a.into(), b.into()]).penetration(a_from_b, narrowing)
+        self.borrow([a.into(), b.into()]).penetration(a_from_b, narrowing)
     }
 }
 
-impl LentPair<'_> {
+impl BorrowedPair<'_> {
     /// Returns bounds of the penetration depth of two solids.
     fn penetration(&mut self, pose: &RelativePose, narrowing: Option<Narrowing>) -> Option<PenetrationBounds> {
         let [a, b] = match self {

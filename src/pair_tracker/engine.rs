@@ -15,11 +15,9 @@
 //!
 //! (1) `Pieces` unless a mesh is equal to the compound.
 //!
-//! A tracker takes both bodies in one form. A body of another form has a *stand-in*: a converted
-//! copy, made with the engine and cached there. [`Engine::lend`] combines the two geometries, or
-//! their stand-ins, with the tracker; the [`LentPair`] answers every query. Each engine implements
-//! three methods: `lend` borrows its tracker, `report` returns its work and memory, `stored`
-//! returns what is serialised.
+//! A tracker takes both bodies in one form. Of a body in another form it gets a *converted copy*,
+//! made with the engine and cached there. [`Engine::borrow`] combines the two geometries, or their
+//! copies, with the tracker; the [`BorrowedPair`] answers every query.
 
 #[cfg(any(feature = "meshes", feature = "serde"))]
 use alloc::boxed::Box;
@@ -27,7 +25,9 @@ use alloc::sync::Arc;
 
 use nalgebra::{Unit, Vector3};
 
-use super::lent_pair::{BallPair, LentPair};
+use super::borrowed_pair::{BallPair, BorrowedPair};
+#[cfg(feature = "meshes")]
+use super::contacts::PairContacts;
 #[cfg(feature = "meshes")]
 use super::of_parts::{self, MeshEngine, PieceEngine};
 #[cfg(feature = "surfaces")]
@@ -38,23 +38,24 @@ use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;
 use crate::convex::replay::Replay;
 use crate::convex::shape_tracker::ShapeTracker;
-use crate::convex::tracker::{Tracker, TrackerWork};
+use crate::convex::tracker::Tracker;
 use crate::pair::location::PairOutcome;
 use crate::pair::options::QueryOptions;
 use crate::pair::outcome::Decision;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::time::separation::{PolyhedronPair, ShapePair};
 
-/// The tracker of a pair of geometries, and their stand-ins.
+/// The tracker of a pair of geometries, and their converted copies.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "convex pairs, the usual ones, stay in place")]
 pub(crate) enum Engine {
     /// Two polyhedra.
-    Polyhedra(WithStandIns<Tracker, ConvexPolyhedron>),
+    Polyhedra(WithCopies<Tracker, ConvexPolyhedron>),
     /// Two convex shapes, one of which is rounded or curved.
-    Shapes(WithStandIns<ShapeTracker, Shape>),
-    /// A half-space and a body of any kind, in either order.
-    HalfSpace(HalfSpaceEngine),
+    Shapes(WithCopies<ShapeTracker, Shape>),
+    /// A half-space and a body of any kind, in either order: one support point answers every query,
+    /// so there is no state.
+    HalfSpace,
     /// Two bodies made of subshapes, of which one is a compound or a mesh.
     #[cfg(feature = "meshes")]
     Pieces(Box<PieceEngine>),
@@ -72,55 +73,11 @@ pub(crate) enum Engine {
     SurfaceAndPieces(Box<SurfacePieceEngine>),
 }
 
-/// Calls a method of the engine of any pair.
-macro_rules! each {
-    ($all:expr, $engine:ident => $asked:expr) => {
-        match $all {
-            Engine::Polyhedra($engine) => $asked,
-            Engine::Shapes($engine) => $asked,
-            Engine::HalfSpace($engine) => $asked,
-            #[cfg(feature = "meshes")]
-            Engine::Pieces($engine) => $asked,
-            #[cfg(feature = "meshes")]
-            Engine::Meshes($engine) => $asked,
-            #[cfg(feature = "surfaces")]
-            Engine::Surfaces($engine) => $asked,
-            #[cfg(feature = "surfaces")]
-            Engine::SurfaceAndShape($engine) => $asked,
-            #[cfg(feature = "surfaces")]
-            Engine::SurfaceAndPieces($engine) => $asked,
-        }
-    };
-}
-
-/// Queries a convex pair directly, and any other pair after borrowing it.
-///
-/// Borrowing would cost a convex pair about 8 ns, a tenth of a query of two balls.
-macro_rules! at_once {
-    ($all:ident, $bodies:ident, $pair:ident => $asked:expr) => {{
-        match $all {
-            Engine::Polyhedra(engine) => {
-                if let Some(mut $pair) = engine.pair($bodies) {
-                    return $asked;
-                }
-            }
-            Engine::Shapes(engine) => {
-                if let Some(mut $pair) = engine.pair($bodies) {
-                    return $asked;
-                }
-            }
-            _ => {}
-        }
-        let mut $pair = $all.lend($bodies);
-        $asked
-    }};
-}
-
 impl Engine {
     /// Returns the engine of two geometries, without cached state.
     pub(crate) fn new(bodies: [GeometryRef<'_>; 2]) -> Self {
         if bodies.iter().any(|body| body.half_space().is_some()) {
-            return Self::HalfSpace(HalfSpaceEngine);
+            return Self::HalfSpace;
         }
         #[cfg(feature = "surfaces")]
         if let Some(engine) = of_surfaces::engine(bodies) {
@@ -133,14 +90,14 @@ impl Engine {
         if bodies.iter().all(|body| body.polyhedron().is_some()) {
             Self::of_polyhedra(Tracker::new())
         } else {
-            Self::Shapes(WithStandIns::new(bodies.map(GeometryRef::polyhedron_as_shape)))
+            Self::Shapes(WithCopies::new(bodies.map(GeometryRef::polyhedron_as_shape)))
         }
     }
 
     /// Returns the engine of two polyhedra that starts with the state of a tracker.
     pub(crate) fn of_polyhedra(tracker: Tracker) -> Self {
-        let stand_ins = [None, None];
-        Self::Polyhedra(WithStandIns { tracker, stand_ins })
+        let copies = [None, None];
+        Self::Polyhedra(WithCopies { tracker, copies })
     }
 
     /// Returns the closest points.
@@ -169,7 +126,13 @@ impl Engine {
         pose: &RelativePose,
         question: &QueryOptions,
     ) -> PairOutcome {
-        at_once!(self, bodies, pair => pair.closest_with(pose, question))
+        // Borrowing would cost 8 ns, a tenth of a query of two balls.
+        if let Self::Shapes(engine) = self
+            && let Some(mut pair) = engine.pair(bodies)
+        {
+            return pair.closest_with(pose, question);
+        }
+        self.borrow(bodies).closest_with(pose, question)
     }
 
     /// Returns whether the geometries are at most `d` apart.
@@ -181,18 +144,40 @@ impl Engine {
         d: f64,
         question: &QueryOptions,
     ) -> Decision {
-        at_once!(self, bodies, pair => pair.decide_within(pose, d, question))
+        if let Self::Polyhedra(engine) = self
+            && let Some(mut pair) = engine.pair(bodies)
+        {
+            return pair.decide_within(pose, d, question);
+        }
+        if let Self::Shapes(engine) = self
+            && let Some(mut pair) = engine.pair(bodies)
+        {
+            return pair.decide_within(pose, d, question);
+        }
+        self.borrow(bodies).decide_within(pose, d, question)
     }
 
     /// Combines the tracker with the two geometries for which the engine was made.
     ///
     /// For other geometries, and for a surface and a mesh with coordinates that are too large for a
     /// surface, the pair knows only balls around them.
-    pub(crate) fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> LentPair<'p> {
-        match each!(self, engine => engine.lend(bodies)) {
-            Some(pair) => pair,
-            None => LentPair::Balls(BallPair::new(bodies)),
-        }
+    pub(crate) fn borrow<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> BorrowedPair<'p> {
+        let pair = match self {
+            Self::Polyhedra(engine) => engine.pair(bodies).map(BorrowedPair::Polyhedra),
+            Self::Shapes(engine) => engine.pair(bodies).map(BorrowedPair::Shapes),
+            Self::HalfSpace => GeometryRef::half_space_pair(bodies).map(BorrowedPair::HalfSpace),
+            #[cfg(feature = "meshes")]
+            Self::Pieces(engine) => engine.borrow(bodies),
+            #[cfg(feature = "meshes")]
+            Self::Meshes(engine) => engine.borrow(bodies),
+            #[cfg(feature = "surfaces")]
+            Self::Surfaces(engine) => engine.borrow(bodies),
+            #[cfg(feature = "surfaces")]
+            Self::SurfaceAndShape(engine) => engine.borrow(bodies),
+            #[cfg(feature = "surfaces")]
+            Self::SurfaceAndPieces(engine) => engine.borrow(bodies),
+        };
+        pair.unwrap_or_else(|| BorrowedPair::Balls(BallPair::new(bodies)))
     }
 
     /// Starts the next query of two convex bodies, one of them curved, along a direction from A to
@@ -214,10 +199,56 @@ impl Engine {
 
     /// Returns the work and the memory of the engine.
     pub(super) fn report(&self) -> EngineReport {
-        each!(self, engine => engine.report())
+        match self {
+            Self::Polyhedra(engine) => EngineReport {
+                work: PairWork::of_convex(engine.tracker.work()),
+                memory_usage: engine.tracker.memory_usage(),
+                ..EngineReport::default()
+            },
+            Self::Shapes(engine) => EngineReport {
+                work: PairWork::of_convex(engine.tracker.work()),
+                ..EngineReport::default()
+            },
+            Self::HalfSpace => EngineReport::default(),
+            #[cfg(feature = "meshes")]
+            Self::Pieces(of) => of_front(
+                &**of,
+                PairWork::of_trees(of.tracker.work()),
+                of.tracker.front_len(),
+                of.tracker.memory_usage(),
+            ),
+            #[cfg(feature = "meshes")]
+            Self::Meshes(of) => of_front(
+                &**of,
+                PairWork::of_trees(of.tracker.work()),
+                of.tracker.front_len(),
+                of.tracker.memory_usage(),
+            ),
+            #[cfg(feature = "surfaces")]
+            Self::Surfaces(of) => of_front(
+                &**of,
+                PairWork::of_surfaces(of.tracker.work()),
+                of.tracker.front_len(),
+                of.tracker.memory_usage(),
+            ),
+            #[cfg(feature = "surfaces")]
+            Self::SurfaceAndShape(of) => of_front(
+                &**of,
+                PairWork::of_surfaces(of.tracker.work()),
+                of.tracker.front_len(),
+                of.tracker.memory_usage(),
+            ),
+            #[cfg(feature = "surfaces")]
+            Self::SurfaceAndPieces(of) => of_front(
+                &**of,
+                PairWork::of_surfaces(of.tracker.work()),
+                of.tracker.front_len(),
+                of.tracker.memory_usage(),
+            ),
+        }
     }
 
-    /// Returns the bytes on the heap, without stand-ins.
+    /// Returns the bytes on the heap, without converted copies.
     pub(crate) fn memory_usage(&self) -> usize {
         self.report().memory_usage
     }
@@ -225,26 +256,59 @@ impl Engine {
     /// Returns what is serialised of the engine, with the subshapes of the last outcome.
     #[cfg(feature = "serde")]
     pub(crate) fn stored(&self, parts: [u32; 2]) -> StoredEngine {
-        each!(self, engine => engine.stored(parts))
+        match self {
+            Self::Polyhedra(engine) => StoredEngine::Polyhedra(Box::new(engine.tracker.clone())),
+            Self::Shapes(engine) => StoredEngine::Convex(Box::new(engine.tracker.clone())),
+            Self::HalfSpace => StoredEngine::HalfSpace(parts),
+            #[cfg(feature = "meshes")]
+            Self::Pieces(_) => StoredEngine::Pieces(parts),
+            #[cfg(feature = "meshes")]
+            Self::Meshes(_) => StoredEngine::Triangles(parts),
+            #[cfg(feature = "surfaces")]
+            Self::Surfaces(_) | Self::SurfaceAndShape(_) | Self::SurfaceAndPieces(_) => StoredEngine::Patches(parts),
+        }
+    }
+}
+
+/// What is kept of a pair between queries.
+#[derive(Clone, Debug)]
+pub(crate) struct TrackedPair {
+    pub(crate) engine: Engine,
+    /// The subshapes of the last outcome. Scenes store them; a tracker returns them.
+    pub(crate) parts: [u32; 2],
+    #[cfg(feature = "meshes")]
+    pub(crate) contacts: Option<PairContacts>,
+}
+
+impl From<Engine> for TrackedPair {
+    #[inline]
+    fn from(engine: Engine) -> Self {
+        Self {
+            engine,
+            parts: [0; 2],
+            #[cfg(feature = "meshes")]
+            contacts: None,
+        }
     }
 }
 
 /// The work and the memory of an engine.
+#[derive(Default)]
 pub(super) struct EngineReport {
     pub(super) work: PairWork,
     /// Entries of the front; convex pairs have none.
     pub(super) front_len: usize,
-    /// Bytes on the heap, without stand-ins.
+    /// Bytes on the heap, without converted copies.
     pub(super) memory_usage: usize,
 }
 
-impl EngineReport {
-    fn of_convex(work: TrackerWork, memory_usage: usize) -> Self {
-        Self {
-            work: PairWork::of_convex(work),
-            front_len: 0,
-            memory_usage,
-        }
+/// Returns the report of an engine with a front, whose tracker has so many bytes on the heap.
+#[cfg(feature = "meshes")]
+fn of_front<E>(engine: &E, work: PairWork, front_len: usize, memory_usage: usize) -> EngineReport {
+    EngineReport {
+        work,
+        front_len,
+        memory_usage: size_of_val(engine) + memory_usage,
     }
 }
 
@@ -263,86 +327,40 @@ pub(crate) enum StoredEngine {
     HalfSpace([u32; 2]),
 }
 
-/// The engine of a pair with a half-space: one support point answers every query, so it has no
-/// state.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct HalfSpaceEngine;
-
-impl HalfSpaceEngine {
-    fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
-        GeometryRef::half_space_pair(bodies).map(LentPair::HalfSpace)
-    }
-
-    fn report(self) -> EngineReport {
-        EngineReport::of_convex(TrackerWork::default(), 0)
-    }
-
-    #[cfg(feature = "serde")]
-    fn stored(self, parts: [u32; 2]) -> StoredEngine {
-        StoredEngine::HalfSpace(parts)
-    }
-}
-
-/// A tracker, and the stand-ins of bodies of another form.
+/// A tracker, and the converted copies of bodies of another form.
 #[derive(Clone, Debug)]
-pub(crate) struct WithStandIns<T, S> {
+pub(crate) struct WithCopies<T, S> {
     pub(crate) tracker: T,
-    pub(super) stand_ins: [Option<Arc<S>>; 2],
+    pub(super) copies: [Option<Arc<S>>; 2],
 }
 
-impl<T: Default, S> WithStandIns<T, S> {
-    pub(super) fn new(stand_ins: [Option<Arc<S>>; 2]) -> Self {
+impl<T: Default, S> WithCopies<T, S> {
+    pub(super) fn new(copies: [Option<Arc<S>>; 2]) -> Self {
         let tracker = T::default();
-        Self { tracker, stand_ins }
+        Self { tracker, copies }
     }
 
-    /// Returns the tracker and both bodies, the originals or the stand-ins.
+    /// Returns the tracker and both bodies, the originals or the converted copies.
     #[inline]
     pub(super) fn sides<'p>(&'p mut self, own: [Option<&'p S>; 2]) -> Option<(&'p mut T, [&'p S; 2])> {
-        let [x, y] = &self.stand_ins;
+        let [x, y] = &self.copies;
         let sides = [own[0].or(x.as_deref())?, own[1].or(y.as_deref())?];
         Some((&mut self.tracker, sides))
     }
 }
 
-impl WithStandIns<Tracker, ConvexPolyhedron> {
+impl WithCopies<Tracker, ConvexPolyhedron> {
     #[inline]
     fn pair<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> Option<PolyhedronPair<'p>> {
         let (tracker, [a, b]) = self.sides(bodies.map(GeometryRef::polyhedron))?;
         Some(PolyhedronPair::new(a, b, tracker))
     }
-
-    fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
-        self.pair(bodies).map(LentPair::Polyhedra)
-    }
-
-    fn report(&self) -> EngineReport {
-        EngineReport::of_convex(self.tracker.work(), self.tracker.memory_usage())
-    }
-
-    #[cfg(feature = "serde")]
-    fn stored(&self, _: [u32; 2]) -> StoredEngine {
-        StoredEngine::Polyhedra(Box::new(self.tracker.clone()))
-    }
 }
 
-impl WithStandIns<ShapeTracker, Shape> {
+impl WithCopies<ShapeTracker, Shape> {
     #[inline]
     fn pair<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> Option<ShapePair<'p>> {
         let (tracker, [a, b]) = self.sides(bodies.map(GeometryRef::shape))?;
         Some(ShapePair::new(a, b, tracker))
-    }
-
-    fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
-        self.pair(bodies).map(LentPair::Shapes)
-    }
-
-    fn report(&self) -> EngineReport {
-        EngineReport::of_convex(self.tracker.work(), 0)
-    }
-
-    #[cfg(feature = "serde")]
-    fn stored(&self, _: [u32; 2]) -> StoredEngine {
-        StoredEngine::Convex(Box::new(self.tracker.clone()))
     }
 }

@@ -3,8 +3,8 @@
 
 use alloc::vec::Vec;
 
+use super::borrowed_pair::BorrowedPair;
 use super::engine::Engine;
-use super::lent_pair::LentPair;
 use super::of_parts::of_pieces;
 use super::tracker::PairTracker;
 use crate::base::num::each::Each;
@@ -120,8 +120,8 @@ impl PairTracker {
     ) -> Distance {
         let pair = bodies.each(|body| body.fingerprint().with(*b"pieces  ", 0.0));
         let followed = self.follow_by(pair, || of_pieces(bodies));
-        match followed.engine.lend(bodies) {
-            LentPair::Pieces(CompoundPair { a, b, tracker }) => bounds(&tracker.closest(&a, &b, a_from_b), &b),
+        match followed.engine.borrow(bodies) {
+            BorrowedPair::Pieces(CompoundPair { a, b, tracker }) => bounds(&tracker.closest(&a, &b, a_from_b), &b),
             mut other => Distance::from(&other.closest_with(a_from_b, &QueryOptions::default())),
         }
     }
@@ -168,7 +168,7 @@ mod fronts {
         /// An entry is a pair of nodes of the trees of A and B that are proven farther apart than
         /// the distance. [`Mesh::node_box`](crate::Mesh::node_box) returns their boxes.
         pub fn mesh_front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-            let tracker = match self.followed.as_ref().map(|followed| &followed.engine) {
+            let tracker = match self.followed.as_ref().map(|followed| &followed.tracked.engine) {
                 Some(Engine::Meshes(engine)) => Some(&engine.tracker),
                 _ => None,
             };
@@ -182,7 +182,7 @@ mod fronts {
         #[cfg(feature = "surfaces")]
         #[must_use]
         pub fn surface_front(&self, a: &BezierSurface, b: &BezierSurface) -> Vec<[SurfacePart; 2]> {
-            match self.followed.as_ref().map(|followed| &followed.engine) {
+            match self.followed.as_ref().map(|followed| &followed.tracked.engine) {
                 Some(Engine::Surfaces(engine)) => engine.tracker.front(a, b).collect(),
                 _ => Vec::new(),
             }

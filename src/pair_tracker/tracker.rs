@@ -14,11 +14,9 @@ use crate::nonconvex::query::search::TreeWork;
 use crate::pair::location::PairOutcome;
 use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{Decision, Distance};
-#[cfg(feature = "meshes")]
-use crate::pair_tracker::contacts::PairContacts;
-use crate::pair_tracker::engine::Engine;
+use crate::pair_tracker::borrowed_pair::{BorrowedPair, MovingPair};
+use crate::pair_tracker::engine::{Engine, TrackedPair};
 use crate::pair_tracker::geometry::{GeometryKind, GeometryRef};
-use crate::pair_tracker::lent_pair::{LentPair, MovingPair};
 #[cfg(feature = "surfaces")]
 use crate::surface::SurfaceWork;
 #[cfg(feature = "meshes")]
@@ -114,13 +112,11 @@ impl From<PairWork> for PairTracker {
     }
 }
 
-/// A pair and its engine.
+/// A pair that is recognised by its fingerprints.
 #[derive(Clone, Debug)]
 pub(super) struct Followed {
     pair: [Fingerprint; 2],
-    pub(super) engine: Engine,
-    #[cfg(feature = "meshes")]
-    pub(super) contacts: Option<PairContacts>,
+    pub(super) tracked: TrackedPair,
 }
 
 impl PairTracker {
@@ -169,29 +165,28 @@ impl PairTracker {
 
     /// Returns the state of a pair, cached if the last query was of the same pair.
     #[inline]
-    pub(super) fn follow(&mut self, bodies: [GeometryRef<'_>; 2]) -> &mut Followed {
+    pub(super) fn follow(&mut self, bodies: [GeometryRef<'_>; 2]) -> &mut TrackedPair {
         let pair = bodies.each(GeometryRef::fingerprint);
         self.follow_by(pair, || Engine::new(bodies))
     }
 
     /// Returns the state of a pair by its fingerprints, and drops the state of another pair.
     #[inline]
-    pub(super) fn follow_by(&mut self, pair: [Fingerprint; 2], new: impl FnOnce() -> Engine) -> &mut Followed {
+    pub(super) fn follow_by(&mut self, pair: [Fingerprint; 2], new: impl FnOnce() -> Engine) -> &mut TrackedPair {
         if let Some(other) = self.followed.take_if(|f| f.pair != pair) {
-            self.work += other.engine.report().work;
+            self.work += other.tracked.engine.report().work;
         }
-        self.followed.get_or_insert_with(|| Followed {
+        let new = || Followed {
             pair,
-            engine: new(),
-            #[cfg(feature = "meshes")]
-            contacts: None,
-        })
+            tracked: TrackedPair::from(new()),
+        };
+        &mut self.followed.get_or_insert_with(new).tracked
     }
 
     /// Borrows the engine of a pair.
     #[inline]
-    pub(super) fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> LentPair<'p> {
-        self.follow(bodies).engine.lend(bodies)
+    pub(super) fn borrow<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> BorrowedPair<'p> {
+        self.follow(bodies).engine.borrow(bodies)
     }
 
     /// Returns the closest points with bounds of the signed distance.
@@ -295,7 +290,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
     ) -> f64 {
-        self.lend([a.into(), b.into()]).lower_bound(a_from_b)
+        self.borrow([a.into(), b.into()]).lower_bound(a_from_b)
     }
 
     /// Returns whether the geometries share a point; touching counts.
@@ -392,7 +387,7 @@ impl PairTracker {
     /// ```
     #[must_use]
     pub fn pair<'p>(&'p mut self, a: impl Into<GeometryRef<'p>>, b: impl Into<GeometryRef<'p>>) -> MovingPair<'p> {
-        self.lend([a.into(), b.into()]).over_time()
+        self.borrow([a.into(), b.into()]).over_time()
     }
 
     /// Drops all cached state and resets the counters.
@@ -411,7 +406,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
     ) -> Option<Replay> {
-        self.lend([a.into(), b.into()]).replay(a_from_b)
+        self.borrow([a.into(), b.into()]).replay(a_from_b)
     }
 
     /// Returns the work of all queries so far.
@@ -419,7 +414,7 @@ impl PairTracker {
     pub fn work(&self) -> PairWork {
         let mut work = self.work;
         if let Some(followed) = &self.followed {
-            work += followed.engine.report().work;
+            work += followed.tracked.engine.report().work;
         }
         work
     }
@@ -431,13 +426,15 @@ impl PairTracker {
     /// distance. Every pair of triangles, pieces or patches lies under an entry.
     #[must_use]
     pub fn front_len(&self) -> usize {
-        self.followed.as_ref().map_or(0, |f| f.engine.report().front_len)
+        self.followed
+            .as_ref()
+            .map_or(0, |f| f.tracked.engine.report().front_len)
     }
 
     /// Returns the bytes of the cached state on the heap, without converted bodies and contacts.
     #[must_use]
     pub fn memory_usage(&self) -> usize {
-        self.followed.as_ref().map_or(0, |f| f.engine.memory_usage())
+        self.followed.as_ref().map_or(0, |f| f.tracked.engine.memory_usage())
     }
 
     /// Returns the first broken invariant of the cached state: a tool for tests and fuzzing.
@@ -453,7 +450,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
     ) -> Result<(), String> {
-        self.lend([a.into(), b.into()]).check(a_from_b)
+        self.borrow([a.into(), b.into()]).check(a_from_b)
     }
 }
 
@@ -584,7 +581,7 @@ impl PairTracker {
         manifold: &mut Manifold,
     ) -> Result<(), PairError> {
         let bodies = [a.into(), b.into()];
-        if self.lend(bodies).manifold(a_from_b, options, manifold) {
+        if self.borrow(bodies).manifold(a_from_b, options, manifold) {
             Ok(())
         } else {
             Err(refused(bodies, "manifold"))

@@ -8,7 +8,7 @@ use nalgebra::Point3;
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
-use super::{PointError, PointQuery, PointRoom, check};
+use super::{PointError, PointMemory, PointQuery, check};
 use crate::base::num::sort::arrange;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::{mesh::Mesh, tree::morton};
@@ -56,7 +56,7 @@ impl PointQuery<'_> {
     ///
     /// Returns an error with the index of the first point that is not finite or out of range.
     pub fn closest_points(&self, points: &[Point3<f64>]) -> Result<Vec<PointOutcome>, PointError> {
-        self.each(points, |query, p, room| query.ask(p, room))
+        self.each(points, |query, p, memory| query.ask(p, memory))
     }
 
     /// Returns the signed distance of each point with its bounds, in the order given.
@@ -67,7 +67,7 @@ impl PointQuery<'_> {
     ///
     /// Returns an error with the index of the first point that is not finite or out of range.
     pub fn signed_distances(&self, points: &[Point3<f64>]) -> Result<Vec<Distance>, PointError> {
-        self.each(points, |query, p, room| Distance::from(&query.ask(p, room)))
+        self.each(points, |query, p, memory| Distance::from(&query.ask(p, memory)))
     }
 
     /// Returns for each point whether the geometry contains it, in the order given.
@@ -80,7 +80,7 @@ impl PointQuery<'_> {
     pub fn contains_each(&self, points: &[Point3<f64>]) -> Result<Vec<bool>, PointError> {
         check_all(points)?;
         // The side alone comes from the winding number, for which nothing is prepared.
-        Ok(self.answers(points, |query, p, room| query.holds(p, room)))
+        Ok(self.answers(points, |query, p, memory| query.holds(p, memory)))
     }
 
     /// Returns the winding number of each point, in the order given; `None` on the surface.
@@ -101,7 +101,7 @@ impl PointQuery<'_> {
     fn each<T: Send>(
         &self,
         points: &[Point3<f64>],
-        answer: impl Fn(&Self, &Point3<f64>, &mut PointRoom) -> T + Sync,
+        answer: impl Fn(&Self, &Point3<f64>, &mut PointMemory) -> T + Sync,
     ) -> Result<Vec<T>, PointError> {
         check_all(points)?;
         let prepared = self.if_worth_preparing(points.len());
@@ -112,15 +112,15 @@ impl PointQuery<'_> {
     pub(super) fn answers<T: Send>(
         &self,
         points: &[Point3<f64>],
-        answer: impl Fn(&Self, &Point3<f64>, &mut PointRoom) -> T + Sync,
+        answer: impl Fn(&Self, &Point3<f64>, &mut PointMemory) -> T + Sync,
     ) -> Vec<T> {
         let mut all = Vec::with_capacity(points.len());
         for block in points.chunks(BLOCK) {
             let order = self.order(block);
             let run = |part: &[u32]| -> Vec<T> {
-                let mut room = PointRoom::default();
+                let mut memory = PointMemory::default();
                 part.iter()
-                    .map(|&k| answer(self, &block[k as usize], &mut room))
+                    .map(|&k| answer(self, &block[k as usize], &mut memory))
                     .collect()
             };
             #[cfg(feature = "parallel")]

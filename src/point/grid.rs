@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Point3, Vector3};
 
-use super::{PointError, PointQuery, PointRoom, check};
+use super::{PointError, PointMemory, PointQuery, check};
 use crate::base::callbacks::{Watch, WithProgress};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
@@ -262,7 +262,7 @@ impl PointQuery<'_> {
         watch.stage("grid", Some(count))?;
         let prepared = self.if_worth_preparing(count);
         let query = prepared.as_ref().unwrap_or(self);
-        let answer = |query: &Self, p: &Point3<f64>, room: &mut PointRoom| Distance::from(&query.ask(p, room));
+        let answer = |query: &Self, p: &Point3<f64>, memory: &mut PointMemory| Distance::from(&query.ask(p, memory));
         let (mut done, mut reported) = (0, 0);
         DistanceGrid::from_layers(low, high, cells, |layer| {
             let mut found = Vec::with_capacity(layer.len());

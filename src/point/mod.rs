@@ -28,7 +28,7 @@ use crate::base::tolerance::PLACE_MAX;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
 #[cfg(feature = "meshes")]
-use crate::nonconvex::point::MeshRoom;
+use crate::nonconvex::point::MeshMemory;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::simple_surface::SimpleSurface;
 #[cfg(feature = "meshes")]
@@ -36,7 +36,7 @@ use crate::nonconvex::{near_faces, near_parts};
 use crate::pair::outcome::{ContactState, Distance};
 use crate::pair::point::PointOutcome;
 use crate::pair_tracker::PairTracker;
-use crate::pair_tracker::geometry::{GeometryKind, GeometryRef, Lent};
+use crate::pair_tracker::geometry::{Borrowed, GeometryKind, GeometryRef};
 pub use grid::DistanceGrid;
 pub use tracker::PointTracker;
 
@@ -142,9 +142,9 @@ pub struct PointQuery<'g> {
 
 /// Room of queries, reused from point to point.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct PointRoom {
+pub(crate) struct PointMemory {
     #[cfg(feature = "meshes")]
-    mesh: MeshRoom,
+    mesh: MeshMemory,
 }
 
 impl<'g> PointQuery<'g> {
@@ -188,7 +188,7 @@ impl<'g> PointQuery<'g> {
     #[doc(alias = "project")]
     pub fn closest_point(&self, point: &Point3<f64>) -> Result<PointOutcome, PointError> {
         check(0, point)?;
-        Ok(self.ask(point, &mut PointRoom::default()))
+        Ok(self.ask(point, &mut PointMemory::default()))
     }
 
     /// Returns whether the geometry contains a point; its surface counts.
@@ -203,7 +203,7 @@ impl<'g> PointQuery<'g> {
     #[doc(alias = "point in polyhedron")]
     pub fn contains(&self, point: &Point3<f64>) -> Result<bool, PointError> {
         check(0, point)?;
-        Ok(self.holds(point, &mut PointRoom::default()))
+        Ok(self.holds(point, &mut PointMemory::default()))
     }
 
     /// Returns how many times the surface winds around a point, or `None` on the surface.
@@ -266,9 +266,9 @@ impl<'g> PointQuery<'g> {
     pub fn nearest_features(&self, point: &Point3<f64>, count: usize) -> Result<Vec<PointOutcome>, PointError> {
         check(0, point)?;
         Ok(match self.geometry.0 {
-            Lent::Mesh(mesh) => near_parts::nearest(mesh.get(), point, count),
-            Lent::Compound(body) => near_parts::nearest(body.get(), point, count),
-            Lent::Cloud(body) => near_parts::nearest(body.get(), point, count),
+            Borrowed::Mesh(mesh) => near_parts::nearest(mesh.get(), point, count),
+            Borrowed::Compound(body) => near_parts::nearest(body.get(), point, count),
+            Borrowed::Cloud(body) => near_parts::nearest(body.get(), point, count),
             _ => {
                 let mut all = self.few_features(point);
                 all.truncate(count);
@@ -290,9 +290,9 @@ impl<'g> PointQuery<'g> {
     pub fn within(&self, point: &Point3<f64>, d: f64) -> Result<Vec<PointOutcome>, PointError> {
         check(0, point)?;
         Ok(match self.geometry.0 {
-            Lent::Mesh(mesh) => near_parts::within(mesh.get(), point, d),
-            Lent::Compound(body) => near_parts::within(body.get(), point, d),
-            Lent::Cloud(body) => near_parts::within(body.get(), point, d),
+            Borrowed::Mesh(mesh) => near_parts::within(mesh.get(), point, d),
+            Borrowed::Compound(body) => near_parts::within(body.get(), point, d),
+            Borrowed::Cloud(body) => near_parts::within(body.get(), point, d),
             _ => {
                 let mut all = self.few_features(point);
                 all.retain(|found| found.lower <= d);
@@ -306,7 +306,7 @@ impl<'g> PointQuery<'g> {
     fn few_features(&self, point: &Point3<f64>) -> Vec<PointOutcome> {
         let body = self.geometry.polyhedron();
         let faces = body.and_then(|body| near_faces::outcomes_of_faces(body, point));
-        faces.unwrap_or_else(|| alloc::vec![self.ask(point, &mut PointRoom::default())])
+        faces.unwrap_or_else(|| alloc::vec![self.ask(point, &mut PointMemory::default())])
     }
 
     /// Returns the work of a query of a mesh, counted: leaves of the tree that the search visits,
@@ -319,36 +319,36 @@ impl<'g> PointQuery<'g> {
         Some(self.geometry.mesh()?.work_of_point(point))
     }
 
-    fn ask(&self, point: &Point3<f64>, room: &mut PointRoom) -> PointOutcome {
-        let _ = &room;
+    fn ask(&self, point: &Point3<f64>, memory: &mut PointMemory) -> PointOutcome {
+        let _ = &memory;
         match self.geometry.0 {
             #[cfg(feature = "meshes")]
-            Lent::Mesh(mesh) => mesh.get().outcome_of(point, self.surface.as_ref(), &mut room.mesh),
+            Borrowed::Mesh(mesh) => mesh.get().outcome_of(point, self.surface.as_ref(), &mut memory.mesh),
             #[cfg(feature = "meshes")]
-            Lent::Compound(body) => near_parts::outcome_of_union(body.get(), point),
+            Borrowed::Compound(body) => near_parts::outcome_of_union(body.get(), point),
             #[cfg(feature = "meshes")]
-            Lent::Cloud(body) => near_parts::outcome_of_union(body.get(), point),
-            Lent::HalfSpace(space) => space.get().outcome_of(point),
+            Borrowed::Cloud(body) => near_parts::outcome_of_union(body.get(), point),
+            Borrowed::HalfSpace(space) => space.get().outcome_of(point),
             _ => self.ask_pair(point, &mut PairTracker::new()),
         }
     }
 
-    fn holds(&self, point: &Point3<f64>, room: &mut PointRoom) -> bool {
+    fn holds(&self, point: &Point3<f64>, memory: &mut PointMemory) -> bool {
         match self.geometry.0 {
             #[cfg(feature = "meshes")]
-            Lent::Mesh(mesh) => mesh.get().contains_point(point),
-            Lent::Polyhedron(body) => body.get().contains(point),
-            Lent::Convex(shape) => holds(shape.get(), &self.origin, point),
-            _ => self.ask(point, room).is_contained(),
+            Borrowed::Mesh(mesh) => mesh.get().contains_point(point),
+            Borrowed::Polyhedron(body) => body.get().contains(point),
+            Borrowed::Convex(shape) => holds(shape.get(), &self.origin, point),
+            _ => self.ask(point, memory).is_contained(),
         }
     }
 
     /// Returns an error if the geometry has no winding number.
     fn check_winding(&self) -> Result<(), PointError> {
         match self.geometry.0 {
-            Lent::Polyhedron(_) => Ok(()),
+            Borrowed::Polyhedron(_) => Ok(()),
             #[cfg(feature = "meshes")]
-            Lent::Mesh(mesh) if mesh.get().is_solid() => Ok(()),
+            Borrowed::Mesh(mesh) if mesh.get().is_solid() => Ok(()),
             _ => Err(PointError::NoWinding {
                 kind: self.geometry.kind(),
             }),
@@ -359,8 +359,8 @@ impl<'g> PointQuery<'g> {
     fn winding(&self, point: &Point3<f64>) -> Option<i32> {
         match self.geometry.0 {
             #[cfg(feature = "meshes")]
-            Lent::Mesh(mesh) => mesh.get().winding_number(point),
-            Lent::Polyhedron(body) => match body.get().side_of(point) {
+            Borrowed::Mesh(mesh) => mesh.get().winding_number(point),
+            Borrowed::Polyhedron(body) => match body.get().side_of(point) {
                 0 => None,
                 side => Some(i32::from(side < 0)),
             },
@@ -381,8 +381,8 @@ impl<'g> PointQuery<'g> {
             location: found.locations[0],
         };
         match self.geometry.0 {
-            Lent::Polyhedron(body) => outcome.set_side(body.get().side_of(point)),
-            Lent::Convex(shape)
+            Borrowed::Polyhedron(body) => outcome.set_side(body.get().side_of(point)),
+            Borrowed::Convex(shape)
                 if outcome.state == ContactState::Undecided
                     && matches!(shape.get().core(), Core::Polyhedron(_))
                     && !holds(shape.get(), &self.origin, point) =>

@@ -2,11 +2,11 @@
 
 use nalgebra::Point3;
 
-use super::{PointError, PointQuery, PointRoom, check};
+use super::{PointError, PointMemory, PointQuery, check};
 use crate::pair::point::PointOutcome;
 use crate::pair_tracker::PairTracker;
 #[cfg(feature = "meshes")]
-use crate::pair_tracker::geometry::Lent;
+use crate::pair_tracker::geometry::Borrowed;
 
 /// The state of a point that moves little between queries of one geometry.
 ///
@@ -31,7 +31,7 @@ use crate::pair_tracker::geometry::Lent;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct PointTracker {
-    room: PointRoom,
+    memory: PointMemory,
     pair: PairTracker,
 }
 
@@ -51,7 +51,7 @@ impl PointTracker {
         check(0, point)?;
         Ok(match query.geometry.0 {
             #[cfg(feature = "meshes")]
-            Lent::Mesh(_) | Lent::Compound(_) | Lent::Cloud(_) => query.ask(point, &mut self.room),
+            Borrowed::Mesh(_) | Borrowed::Compound(_) | Borrowed::Cloud(_) => query.ask(point, &mut self.memory),
             _ => query.ask_pair(point, &mut self.pair),
         })
     }

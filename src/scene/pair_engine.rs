@@ -1,4 +1,4 @@
-//! The state of a pair in a table: a [`Tracker`] for two polyhedra, a [`MixedPair`] for all others.
+//! The state of a pair in a table: a [`Tracker`] for two polyhedra, a [`TrackedPair`] for all others.
 
 use alloc::boxed::Box;
 #[cfg(feature = "serde")]
@@ -13,11 +13,11 @@ use crate::nonconvex::contact::{ContactGroup, ConvexPatches};
 use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{DepthMode, Outcome};
 #[cfg(feature = "meshes")]
-use crate::pair_tracker::PatchwiseContacts;
+use crate::pair_tracker::PairContacts;
 #[cfg(feature = "serde")]
 use crate::pair_tracker::StoredEngine;
 use crate::pair_tracker::geometry::{Geometry, GeometryRef};
-use crate::pair_tracker::{Engine, LentPair};
+use crate::pair_tracker::{BorrowedPair, Engine, TrackedPair};
 use crate::time::separation::{Measurement, PolyhedronPair, Separation, ShapePair};
 
 /// Input of the contact stage: the last outcome, the options, and the patches of bodies that are
@@ -182,17 +182,8 @@ impl PairEngine for Tracker {
     }
 }
 
-/// The state of a pair that is not of two polyhedra: its engine, the subshapes of the last
-/// measurement, and the contacts if they are enabled.
-#[derive(Clone, Debug)]
-pub(super) struct MixedPair {
-    engine: Box<Engine>,
-    parts: [u32; 2],
-    #[cfg(feature = "meshes")]
-    contacts: Option<Box<PatchwiseContacts>>,
-}
-
-impl PairEngine for MixedPair {
+/// A pair that is not of two polyhedra.
+impl PairEngine for Box<TrackedPair> {
     type Shapes<'a> = [GeometryRef<'a>; 2];
 
     fn shapes<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Self::Shapes<'a>> {
@@ -202,14 +193,14 @@ impl PairEngine for MixedPair {
     fn measure(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, until: DepthMode) -> Outcome {
         let answer = self
             .engine
-            .lend(shapes)
+            .borrow(shapes)
             .closest_with(pose, &QueryOptions::default().depth(until));
         self.parts = answer.parts();
         answer.outcome
     }
 
     fn decides_within(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool {
-        self.engine.lend(shapes).decides_within(pose, outcome, d)
+        self.engine.borrow(shapes).decides_within(pose, outcome, d)
     }
 
     fn over_time<R>(
@@ -218,7 +209,7 @@ impl PairEngine for MixedPair {
         seen: Option<&Outcome>,
         ask: impl FnOnce(&mut dyn Separation, Option<Measurement>) -> R,
     ) -> R {
-        ask(&mut self.engine.lend(shapes).over_time(), seen.map(ShapePair::seen))
+        ask(&mut self.engine.borrow(shapes).over_time(), seen.map(ShapePair::seen))
     }
 
     /// Convex shapes have a manifold; compounds and meshes have contacts by convex patches.
@@ -229,7 +220,7 @@ impl PairEngine for MixedPair {
         ask: ContactAsk<'_>,
         stored: &mut Option<Box<Manifold>>,
     ) -> Contacted {
-        if let LentPair::Shapes(mut pair) = self.engine.lend(shapes) {
+        if let BorrowedPair::Shapes(mut pair) = self.engine.borrow(shapes) {
             let (a, b, tracker) = pair.sides();
             let queries = tracker.work().queries;
             tracker.manifold(a, b, pose, ask.options, stored.get_or_insert_default());
@@ -241,11 +232,8 @@ impl PairEngine for MixedPair {
             };
         }
         #[cfg(feature = "meshes")]
-        if self
-            .contacts
-            .get_or_insert_default()
-            .find(shapes, ask.patches, pose, ask.options)
-            .is_some()
+        if let PairContacts::Patches(kept) = self.contacts.get_or_insert_with(PairContacts::of_patches)
+            && kept.find(shapes, ask.patches, pose, ask.options).is_some()
         {
             return Contacted::Kept;
         }
@@ -254,7 +242,10 @@ impl PairEngine for MixedPair {
 
     #[cfg(feature = "meshes")]
     fn contacts(&self) -> Option<&[ContactGroup]> {
-        self.contacts.as_deref().map(PatchwiseContacts::found)
+        match self.contacts.as_ref()? {
+            PairContacts::Patches(kept) => Some(kept.found()),
+            PairContacts::Convex(_) => None,
+        }
     }
 
     #[cfg(feature = "meshes")]
@@ -267,70 +258,40 @@ impl PairEngine for MixedPair {
     }
 
     fn memory_usage(&self) -> usize {
-        size_of::<Engine>() + self.engine.memory_usage()
+        size_of::<TrackedPair>() + self.engine.memory_usage()
     }
 
     fn started(&self, _: &Geometry, _: &Geometry, is_in_order: bool) -> Option<Engine> {
-        is_in_order.then(|| (*self.engine).clone())
+        is_in_order.then(|| self.engine.clone())
     }
 }
 
-impl From<Engine> for MixedPair {
-    fn from(engine: Engine) -> Self {
-        Self {
-            engine: Box::new(engine),
-            parts: [0; 2],
-            #[cfg(feature = "meshes")]
-            contacts: None,
-        }
-    }
-}
-
-/// A pair that moves from a table to another.
-#[derive(Debug)]
-#[allow(clippy::large_enum_variant, reason = "polyhedra, the usual pair, stay in place")]
-pub(super) enum AnyPair {
-    Polyhedra(Tracker),
-    Mixed(MixedPair),
-}
-
-impl AnyPair {
-    /// Returns the state of a pair without start features.
-    pub(super) fn new(a: &Geometry, b: &Geometry) -> Self {
-        match Engine::new([a.into(), b.into()]) {
-            Engine::Polyhedra(engine) => Self::Polyhedra(engine.tracker),
-            engine => Self::Mixed(MixedPair::from(engine)),
-        }
-    }
-}
-
+/// Returns the state of a pair that is written to a file.
 #[cfg(feature = "serde")]
-impl MixedPair {
-    /// Returns the state that is written to a file.
-    pub(super) fn stored(&self) -> StoredEngine {
-        self.engine.stored(self.parts)
-    }
+pub(super) fn stored(pair: &TrackedPair) -> StoredEngine {
+    pair.engine.stored(pair.parts)
+}
 
-    /// Returns the state of two bodies from a file; `None` if it is of other kinds.
-    pub(super) fn restored(stored: StoredEngine, a: &Geometry, b: &Geometry) -> Option<Self> {
-        let mut pair = Self::from(Engine::new([a.into(), b.into()]));
-        if discriminant(&pair.stored()) != discriminant(&stored) {
-            return None;
-        }
-        match stored {
-            StoredEngine::Polyhedra(tracker) => *pair.engine = Engine::of_polyhedra(*tracker),
-            StoredEngine::Convex(tracker) => {
-                if let Engine::Shapes(engine) = &mut *pair.engine {
-                    engine.tracker = *tracker;
-                }
-            }
-            StoredEngine::Pieces(parts)
-            | StoredEngine::Triangles(parts)
-            | StoredEngine::Patches(parts)
-            | StoredEngine::HalfSpace(parts) => {
-                pair.parts = parts;
-            }
-        }
-        Some(pair)
+/// Returns the state of two bodies from a file; `None` if it is of other kinds.
+#[cfg(feature = "serde")]
+pub(super) fn restored(stored: StoredEngine, a: &Geometry, b: &Geometry) -> Option<Box<TrackedPair>> {
+    let mut pair = Box::new(TrackedPair::from(Engine::new([a.into(), b.into()])));
+    if discriminant(&pair.engine.stored(pair.parts)) != discriminant(&stored) {
+        return None;
     }
+    match stored {
+        StoredEngine::Polyhedra(tracker) => pair.engine = Engine::of_polyhedra(*tracker),
+        StoredEngine::Convex(tracker) => {
+            if let Engine::Shapes(engine) = &mut pair.engine {
+                engine.tracker = *tracker;
+            }
+        }
+        StoredEngine::Pieces(parts)
+        | StoredEngine::Triangles(parts)
+        | StoredEngine::Patches(parts)
+        | StoredEngine::HalfSpace(parts) => {
+            pair.parts = parts;
+        }
+    }
+    Some(pair)
 }

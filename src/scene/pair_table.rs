@@ -13,10 +13,11 @@
 //! tables: with one table of engines for all kinds, a step of 1,000 hulls took 1.06 to 1.27 times
 //! as long (`race scene`, AMD EPYC, 2026-11-26).
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use super::answers::{StoredAnswer, StoredContact};
-use super::pair_engine::{AnyPair, MixedPair, PairEngine};
+use super::pair_engine::PairEngine;
 use super::queries::{Detail, GroupPair, NEVER, PairPlan};
 use crate::broad::PairId;
 use crate::convex::contact::Manifold;
@@ -24,8 +25,8 @@ use crate::convex::tracker::Tracker;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::contact::ContactGroup;
 use crate::pair::outcome::{DepthMode, Distance, Outcome};
-use crate::pair_tracker::Engine;
 use crate::pair_tracker::geometry::Geometry;
+use crate::pair_tracker::{Engine, TrackedPair};
 
 /// The header of a pair, which is read before a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -170,7 +171,7 @@ impl TableRow {
 pub(super) struct PairState {
     pub(super) state: PairFlags,
     /// `None` for a pair that was in no table.
-    pub(super) tracker: Option<AnyPair>,
+    pub(super) tracker: Option<TrackedPair>,
     /// Whether the event that the boxes met was sent.
     pub(super) box_event_sent: bool,
 }
@@ -290,7 +291,7 @@ pub(super) struct PairTables {
     /// Pairs of two polyhedra.
     pub(super) polyhedra: DetailTables<Tracker>,
     /// All other pairs.
-    pub(super) mixed: DetailTables<MixedPair>,
+    pub(super) mixed: DetailTables<Box<TrackedPair>>,
     rows: Vec<TableRow>,
 }
 
@@ -307,9 +308,12 @@ impl PairTables {
         };
         let header = PairHeader { state, ..header };
         let place = match pair_state.tracker {
-            Some(AnyPair::Polyhedra(tracker)) => self.polyhedra.push(plan, header, tracker),
-            Some(AnyPair::Mixed(tracker)) => {
-                let place = self.mixed.push(plan, header, tracker);
+            Some(TrackedPair {
+                engine: Engine::Polyhedra(engine),
+                ..
+            }) => self.polyhedra.push(plan, header, engine.tracker),
+            Some(tracker) => {
+                let place = self.mixed.push(plan, header, Box::new(tracker));
                 place.map(|(table, row)| (table + MIXED, row))
             }
             None => None,
@@ -329,10 +333,10 @@ impl PairTables {
         let freed = core::mem::replace(entry, TableRow::NONE);
         let removed = if freed.table() < MIXED {
             let removed = self.polyhedra.remove(freed.table(), freed.row());
-            removed.map(|(header, tracker, moved)| (header, AnyPair::Polyhedra(tracker), moved))
+            removed.map(|(header, tracker, moved)| (header, Engine::of_polyhedra(tracker).into(), moved))
         } else {
             let removed = self.mixed.remove(freed.table() - MIXED, freed.row());
-            removed.map(|(header, tracker, moved)| (header, AnyPair::Mixed(tracker), moved))
+            removed.map(|(header, tracker, moved)| (header, *tracker, moved))
         };
         let box_event_sent = freed.is_box_event_sent();
         let Some((header, tracker, moved)) = removed else {
@@ -420,7 +424,7 @@ impl PairTables {
     #[cfg(feature = "serde")]
     pub(super) fn restored(
         polyhedra: DetailTables<Tracker>,
-        mixed: DetailTables<MixedPair>,
+        mixed: DetailTables<Box<TrackedPair>>,
         box_event_sent: &[u32],
         slots: usize,
     ) -> Option<Self> {

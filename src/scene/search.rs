@@ -252,11 +252,11 @@ pub(super) struct PairQuery<'a> {
 impl PairQuery<'_> {
     pub(super) fn measure(&mut self, until: DepthMode) -> PairOutcome {
         let question = QueryOptions::default().depth(until);
-        self.engine.lend(self.shapes).closest_with(&self.pose, &question)
+        self.engine.borrow(self.shapes).closest_with(&self.pose, &question)
     }
 
     fn decides_within(&mut self, outcome: &Outcome, d: f64) -> bool {
-        self.engine.lend(self.shapes).decides_within(&self.pose, outcome, d)
+        self.engine.borrow(self.shapes).decides_within(&self.pose, outcome, d)
     }
 }
 

@@ -15,7 +15,7 @@ use super::budget::Travel;
 use super::check::census_of;
 use super::filter::Ignored;
 use super::motion::{Moving, Sweep, Ticks};
-use super::pair_engine::{MixedPair, PairEngine};
+use super::pair_engine::{PairEngine, restored, stored};
 use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
 use super::queries::{GROUPS, Group, PairQueries, Table};
 use super::report::Report;
@@ -214,7 +214,7 @@ impl SceneSnapshot {
             broad: scene.broad.clone(),
             ignored: scene.ignored.iter().collect(),
             polyhedra: table_rows(&scene.pair_tables.polyhedra, Tracker::clone),
-            mixed: table_rows(&scene.pair_tables.mixed, MixedPair::stored),
+            mixed: table_rows(&scene.pair_tables.mixed, |pair| stored(pair)),
             box_event_sent: scene.pair_tables.slots_with_box_event().collect(),
             events: scene.events.clone(),
             impacts: scene.impacts.clone(),
@@ -248,9 +248,9 @@ impl SceneSnapshot {
             let (a, b) = shapes_of(header)?;
             Tracker::shapes(a, b).map(|_| tracker)
         })?;
-        let mixed = detail_tables(self.mixed, |header, stored: StoredEngine| {
+        let mixed = detail_tables(self.mixed, |header, engine: StoredEngine| {
             let (a, b) = shapes_of(header)?;
-            MixedPair::restored(stored, a, b)
+            restored(engine, a, b)
         })?;
         let pair_tables = PairTables::restored(polyhedra, mixed, &self.box_event_sent, slots);
         let pair_tables = pair_tables.ok_or("two pairs of the scene sit in one seat")?;

@@ -7,7 +7,7 @@ use super::answers::{Change, Event, PairChange, PairImpact};
 use super::body::{BodyTable, box_of};
 use super::motion::Sweep;
 use super::narrow_phase::{StepContext, Tally, test_table};
-use super::pair_engine::{AnyPair, PairEngine};
+use super::pair_engine::PairEngine;
 use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
 use super::queries::{Detail, GROUPS, Group, Table, group_pair_of};
 use super::report::{Clock, Report};
@@ -16,6 +16,7 @@ use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::ROUND_UP;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, PairId};
+use crate::pair_tracker::Engine;
 
 /// Ratio of the work of a query to the work of a box in the broad phase. With the default settings,
 /// threads are used from 625 queries per step. A query takes at least 60 ns, a task some
@@ -352,7 +353,7 @@ fn begin(
     let tracker = pair_state.tracker.or_else(|| {
         let shape = |i: u32| bodies.solids[i as usize].as_ref().map(|solid| &solid.shape);
         if plan.detail > Detail::Boxes {
-            Some(AnyPair::new(shape(a)?, shape(b)?))
+            Some(Engine::new([shape(a)?.into(), shape(b)?.into()]).into())
         } else {
             None
         }

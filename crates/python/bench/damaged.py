@@ -26,8 +26,8 @@ KINDS = ("lost", "turned", "both")
 def clean(path):
     """Return vertices and triangles of a closed mesh; None for other meshes."""
     try:
-        geometry = lc.read_mesh(path).geometry("mesh")
-    except Exception:
+        geometry = lc.load_mesh(path).geometry("mesh")
+    except (OSError, ValueError):
         return None
     triangles = np.asarray(geometry.triangles)
     if not geometry.is_solid or not 20 <= len(triangles) <= 200_000:

@@ -6,7 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::cylinder::{circle_bent, of_circle, on_circle};
 use super::support::{Disc, Flat, Support};
-use super::{Curved, Mass};
+use super::{Curved, Mass, ShapeError, length};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
@@ -16,15 +16,39 @@ use crate::body::polyhedron::{EdgeId, FaceId, Feature, VertexId};
 
 /// A circular cone along z with its apex up. The origin is half-way between apex and base.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "StoredCone"))]
 pub struct Cone {
-    pub(super) radius: f64,
-    pub(super) half_height: f64,
+    half_height: f64,
+    radius: f64,
+}
+
+/// The parameters of a cone before they are checked.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredCone {
+    half_height: f64,
+    radius: f64,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredCone> for Cone {
+    type Error = ShapeError;
+
+    fn try_from(stored: StoredCone) -> Result<Self, ShapeError> {
+        Self::new(stored.half_height, stored.radius)
+    }
 }
 
 /// Branch of the apex; branch 1 is the rim of the base.
 const APEX: u32 = 0;
 
 impl Cone {
+    pub(super) fn new(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
+        let (half_height, radius) = (length("half height", half_height)?, length("radius", radius)?);
+        Ok(Self { half_height, radius })
+    }
+
     /// Returns the radius of the base.
     #[must_use]
     pub fn radius(&self) -> f64 {
@@ -39,8 +63,6 @@ impl Cone {
 }
 
 impl Curved for Cone {
-    const ORDER: u32 = 3;
-
     fn fingerprint(&self) -> Fingerprint {
         Fingerprint::of(*b"cone    ", &[self.radius, self.half_height])
     }
@@ -63,6 +85,12 @@ impl Curved for Cone {
         let mean = Vector3::new(r * r * 3.0 / 20.0, r * r * 3.0 / 20.0, h * h * 3.0 / 20.0);
         let centroid = Point3::new(0.0, 0.0, -h / 2.0);
         Mass::symmetric(PI * r * r * 2.0 * h / 3.0, centroid, mean)
+    }
+
+    #[cfg(test)]
+    fn samples() -> alloc::vec::Vec<Self> {
+        let sizes = [(1.3, 0.7), (100.0, 0.01), (0.003, 2.0)];
+        sizes.map(|(half_height, radius)| Self { half_height, radius }).into()
     }
 }
 

@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use nalgebra::{Point3, Vector3};
 
 use super::support::{Disc, Flat, Support};
-use super::{Curved, Mass};
+use super::{Curved, Mass, ShapeError, length};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
@@ -15,12 +15,36 @@ use crate::body::polyhedron::{EdgeId, FaceId, Feature};
 
 /// A circular cylinder along z around the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "StoredCylinder"))]
 pub struct Cylinder {
-    pub(super) radius: f64,
-    pub(super) half_height: f64,
+    half_height: f64,
+    radius: f64,
+}
+
+/// The parameters of a cylinder before they are checked.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredCylinder {
+    half_height: f64,
+    radius: f64,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredCylinder> for Cylinder {
+    type Error = ShapeError;
+
+    fn try_from(stored: StoredCylinder) -> Result<Self, ShapeError> {
+        Self::new(stored.half_height, stored.radius)
+    }
 }
 
 impl Cylinder {
+    pub(super) fn new(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
+        let (half_height, radius) = (length("half height", half_height)?, length("radius", radius)?);
+        Ok(Self { half_height, radius })
+    }
+
     /// Returns the radius of the discs.
     #[must_use]
     pub fn radius(&self) -> f64 {
@@ -64,8 +88,6 @@ pub(super) fn circle_bent<T: Scalar>(radius: f64, n: &Vec3<T>, d: &Vec3<T>) -> V
 }
 
 impl Curved for Cylinder {
-    const ORDER: u32 = 2;
-
     fn fingerprint(&self) -> Fingerprint {
         Fingerprint::of(*b"cylinder", &[self.radius, self.half_height])
     }
@@ -85,6 +107,12 @@ impl Curved for Cylinder {
         let (r, h) = (self.radius, self.half_height);
         let mean = Vector3::new(r * r / 4.0, r * r / 4.0, h * h / 3.0);
         Mass::symmetric(PI * r * r * 2.0 * h, Point3::origin(), mean)
+    }
+
+    #[cfg(test)]
+    fn samples() -> alloc::vec::Vec<Self> {
+        let sizes = [(1.3, 0.7), (100.0, 0.01), (0.003, 2.0)];
+        sizes.map(|(half_height, radius)| Self { half_height, radius }).into()
     }
 }
 

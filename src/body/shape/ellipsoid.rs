@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use nalgebra::{Point3, Vector3};
 
 use super::support::{Disc, Support};
-use super::{Curved, Mass};
+use super::{Curved, Mass, ShapeError, length};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{largest, smallest};
 use crate::base::num::fingerprint::Fingerprint;
@@ -15,11 +15,36 @@ use crate::body::polyhedron::{FaceId, Feature};
 
 /// An ellipsoid around the origin with axes along x, y and z.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "StoredEllipsoid"))]
 pub struct Ellipsoid {
-    pub(super) semi_axes: Vector3<f64>,
+    semi_axes: Vector3<f64>,
+}
+
+/// The parameters of an ellipsoid before they are checked.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredEllipsoid {
+    semi_axes: Vector3<f64>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredEllipsoid> for Ellipsoid {
+    type Error = ShapeError;
+
+    fn try_from(stored: StoredEllipsoid) -> Result<Self, ShapeError> {
+        Self::new(stored.semi_axes)
+    }
 }
 
 impl Ellipsoid {
+    pub(super) fn new(semi_axes: Vector3<f64>) -> Result<Self, ShapeError> {
+        for &x in semi_axes.iter() {
+            length("semi-axis", x)?;
+        }
+        Ok(Self { semi_axes })
+    }
+
     /// Returns the semi-axes along x, y and z.
     #[must_use]
     pub fn semi_axes(&self) -> Vector3<f64> {
@@ -40,8 +65,6 @@ fn times<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
 }
 
 impl Curved for Ellipsoid {
-    const ORDER: u32 = 1;
-
     fn fingerprint(&self) -> Fingerprint {
         Fingerprint::of(*b"ellipsoi", self.semi_axes.as_slice())
     }
@@ -60,6 +83,12 @@ impl Curved for Ellipsoid {
         let a = self.semi_axes;
         let volume = 4.0 / 3.0 * PI * a.x * a.y * a.z;
         Mass::symmetric(volume, Point3::origin(), a.component_mul(&a) / 5.0)
+    }
+
+    #[cfg(test)]
+    fn samples() -> alloc::vec::Vec<Self> {
+        let sizes = [[1.0, 0.6, 0.3], [100.0, 0.01, 0.02], [2.0, 3.0, 0.003]];
+        sizes.map(|axes| Self { semi_axes: axes.into() }).into()
     }
 }
 

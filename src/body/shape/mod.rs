@@ -33,8 +33,7 @@ pub use crate::body::shape::cone::Cone;
 pub use crate::body::shape::cylinder::Cylinder;
 pub use crate::body::shape::ellipsoid::Ellipsoid;
 pub use crate::body::shape::mass::Mass;
-pub(crate) use crate::body::shape::support::{Curved, match_core, order_of};
-pub(crate) use crate::body::shape::support::{Disc, Flat, Support};
+pub(crate) use crate::body::shape::support::{Curved, Disc, Flat, Support};
 pub(crate) use crate::body::shape::top::Top;
 use alloc::sync::Arc;
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -66,19 +65,78 @@ pub struct Shape {
     fingerprint: Fingerprint,
 }
 
-/// Core of a shape: the shape before rounding.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Core {
-    /// A convex polyhedron, polygon, segment or point.
-    Polyhedron(Arc<ConvexPolyhedron>),
-    /// An ellipsoid around the origin with axes along x, y and z.
-    Ellipsoid(Ellipsoid),
-    /// A circular cylinder along z around the origin.
-    Cylinder(Cylinder),
-    /// A circular cone along z with its apex up. The origin is half-way between apex and base.
-    Cone(Cone),
+/// Declares [`Core`] and what follows from the curved kinds.
+macro_rules! cores {
+    (
+        $(#[$of_core:meta])*
+        pub enum Core {
+            $(#[$of_polyhedron:meta])*
+            Polyhedron($polyhedron:ty),
+            $($(#[$of_kind:meta])* $kind:ident,)*
+        }
+    ) => {
+        $(#[$of_core])*
+        pub enum Core {
+            $(#[$of_polyhedron])*
+            Polyhedron($polyhedron),
+            $($(#[$of_kind])* $kind($kind),)*
+        }
+
+        /// Matches a core: an expression for the polyhedron, and one for every kind of [`Curved`]
+        /// core.
+        macro_rules! match_core {
+            ($core:expr, $body:pat => $polyhedral:expr, $curved:pat => $round:expr) => {
+                match $core {
+                    Core::Polyhedron($body) => $polyhedral,
+                    $(Core::$kind($curved) => $round,)*
+                }
+            };
+        }
+
+        /// Calls a macro with the names of all curved kinds.
+        macro_rules! with_curved_kinds {
+            ($then:ident) => {
+                $then! { $($kind),* }
+            };
+        }
+
+        /// The order in which the cores of a pair are solved.
+        enum Rank {
+            Polyhedron,
+            $($kind,)*
+        }
+
+        impl Core {
+            /// Returns the rank of the kind in the order in which the cores of a pair are solved.
+            #[inline]
+            pub(crate) fn rank(&self) -> u32 {
+                (match self {
+                    Self::Polyhedron(_) => Rank::Polyhedron,
+                    $(Self::$kind(_) => Rank::$kind,)*
+                }) as u32
+            }
+        }
+    };
 }
+
+cores! {
+    /// Core of a shape: the shape before rounding.
+    #[derive(Clone, Debug, PartialEq)]
+    #[non_exhaustive]
+    // A new kind comes last: some formats store the number of a kind.
+    pub enum Core {
+        /// A convex polyhedron, polygon, segment or point.
+        Polyhedron(Arc<ConvexPolyhedron>),
+        /// An ellipsoid around the origin with axes along x, y and z.
+        Ellipsoid,
+        /// A circular cylinder along z around the origin.
+        Cylinder,
+        /// A circular cone along z with its apex up. The origin is half-way between apex and base.
+        Cone,
+    }
+}
+
+pub(crate) use {match_core, with_curved_kinds};
 
 /// Returns whether a shape may be rounded by a ball of this radius: zero, or between 1e-100 and
 /// 1e100.
@@ -151,8 +209,7 @@ impl Shape {
     ///
     /// Returns an error if the height or radius is not between 1e-100 and 1e100.
     pub fn cylinder(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
-        let (half_height, radius) = (length("half height", half_height)?, length("radius", radius)?);
-        Ok(Self::sharp(Core::Cylinder(Cylinder { radius, half_height })))
+        Ok(Self::sharp(Core::Cylinder(Cylinder::new(half_height, radius)?)))
     }
 
     /// Returns a circular cone along z.
@@ -163,8 +220,7 @@ impl Shape {
     ///
     /// Returns an error if the height or radius is not between 1e-100 and 1e100.
     pub fn cone(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
-        let (half_height, radius) = (length("half height", half_height)?, length("radius", radius)?);
-        Ok(Self::sharp(Core::Cone(Cone { radius, half_height })))
+        Ok(Self::sharp(Core::Cone(Cone::new(half_height, radius)?)))
     }
 
     /// Returns an ellipsoid around the origin with axes along x, y and z.
@@ -173,10 +229,7 @@ impl Shape {
     ///
     /// Returns an error if a semi-axis is not between 1e-100 and 1e100.
     pub fn ellipsoid(semi_axes: Vector3<f64>) -> Result<Self, ShapeError> {
-        for &x in semi_axes.iter() {
-            length("semi-axis", x)?;
-        }
-        Ok(Self::sharp(Core::Ellipsoid(Ellipsoid { semi_axes })))
+        Ok(Self::sharp(Core::Ellipsoid(Ellipsoid::new(semi_axes)?)))
     }
 
     /// Returns the shape rounded by a ball of radius `by`: all points at most `by` from the shape.

@@ -1,5 +1,5 @@
-//! Support points of shapes and their derivatives by the direction, for the solvers; the interface
-//! of a curved core; and the match of a core.
+//! Support points of shapes and their derivatives by the direction, for the solvers; and the
+//! interface of a curved core.
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
@@ -123,10 +123,6 @@ pub(crate) trait Support {
 
 /// A core with curved sides: the calls of a shape in addition to support points.
 pub(crate) trait Curved: Support + Copy {
-    /// Index of the kind in the order in which a pair is solved: polyhedra, with index 0, come
-    /// first.
-    const ORDER: u32;
-
     /// Returns the fingerprint of kind and parameters.
     fn fingerprint(&self) -> Fingerprint;
 
@@ -138,32 +134,19 @@ pub(crate) trait Curved: Support + Copy {
 
     /// Returns the mass properties at unit density.
     fn mass(&self) -> Mass;
-}
 
-/// Returns the index of the kind of a curved core in the order in which a pair is solved.
-pub(crate) fn order_of<C: Curved>(_: &C) -> u32 {
-    C::ORDER
+    /// Returns cores of the kind, some of them long or flat, for the tests of all kinds.
+    #[cfg(test)]
+    fn samples() -> alloc::vec::Vec<Self>;
 }
-
-/// Matches a core: an expression for the polyhedron, and one for every kind of [`Curved`] core.
-macro_rules! match_core {
-    ($core:expr, $body:pat => $polyhedral:expr, $curved:pat => $round:expr) => {
-        match $core {
-            Core::Polyhedron($body) => $polyhedral,
-            Core::Ellipsoid($curved) => $round,
-            Core::Cylinder($curved) => $round,
-            Core::Cone($curved) => $round,
-        }
-    };
-}
-
-pub(crate) use match_core;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::num::double_double::DoubleDouble;
     use crate::base::num::scalar::{dot, sub};
-    use crate::body::shape::{Cone, Cylinder, Ellipsoid};
+    use crate::base::tolerance::UNIT;
+    use crate::body::shape::{Cone, Cylinder, Ellipsoid, with_curved_kinds};
     use crate::rng::Rng;
 
     fn unit(rng: &mut Rng) -> Vec3<f64> {
@@ -171,62 +154,139 @@ mod tests {
         (n / n.norm()).into()
     }
 
-    /// Checks what solvers assume about a core.
-    fn check(core: &impl Support) {
-        let mut rng = Rng::new(7);
-        for _ in 0..2_000 {
-            let n = unit(&mut rng);
-            let (branch, point) = core.support(&n, 0);
-            let height = dot(&n, &point);
-            let slack = 1e-12 * core.reach();
-            assert!(dot(&point, &point).sqrt() <= core.reach() + slack, "reach");
-            let m = unit(&mut rng);
-            let other = core.support(&m, branch).1;
-            assert!(dot(&n, &other) <= height + slack, "the support point is the highest");
-            let onto = core.onto(branch, &point);
-            assert!(
-                dot(&sub(&onto, &point), &sub(&onto, &point)).sqrt() <= 1e-7 * core.reach(),
-                "onto"
-            );
+    fn length(v: &Vec3<f64>) -> f64 {
+        dot(v, v).sqrt()
+    }
 
-            // The second derivative against a difference quotient, away from poles.
+    fn height<T: Scalar>(core: &impl Support, n: &Vec3<f64>) -> T {
+        let n = n.map(T::from);
+        dot(&n, &core.support(&n, 0).1)
+    }
+
+    /// Checks what solvers assume about a core of any size.
+    fn check(core: &impl Curved) {
+        let mut rng = Rng::new(7);
+        let reach = core.reach();
+        // `nonconvex::pieces` and `nonconvex::penetration` take the origin for a point inside.
+        assert!(core.contains(&Vector3::zeros()), "origin");
+        for _ in 0..2_000 {
+            let (n, m) = (unit(&mut rng), unit(&mut rng));
+            let (branch, point) = core.support(&n, 0);
+            let slack = 1e-12 * reach;
+            assert!(length(&point) <= reach + slack, "reach");
+            let other = core.support(&m, branch).1;
+            assert!(
+                dot(&n, &other) <= dot(&n, &point) + slack,
+                "the support point is the highest"
+            );
+            let onto = core.onto(branch, &point);
+            assert!(length(&sub(&onto, &point)) <= 1e-7 * reach, "onto");
+
+            // `CERTIFICATE` leaves so much for a height.
+            let off = height::<DoubleDouble>(core, &n) - DoubleDouble::from(height::<f64>(core, &n));
+            assert!(off.hi.abs() <= 16.0 * UNIT * reach, "height: {off:?}");
+
+            // A ball inside the core at the point: its support value is at most that of the core
+            // along every direction. `INNER` leaves so much for its error.
+            let (centre, radius) = core.inner_ball(&point.into(), &n.into());
+            let highest = height::<DoubleDouble>(core, &m).hi;
+            let ball = dot(&m, &centre.into()) + radius;
+            assert!(
+                ball <= highest + 64.0 * UNIT * reach,
+                "inner ball: {ball} over {highest}"
+            );
+        }
+        check_flat(core);
+    }
+
+    /// Checks that discs are faces, and that where the support point jumps there is a flat part
+    /// with both points.
+    fn check_flat(core: &impl Curved) {
+        let (mut rng, reach) = (Rng::new(8), core.reach());
+        let axes = [0, 1, 2].map(|k| Vector3::ith(k, 1.0));
+        for k in 0..200 {
+            // A circle through an axis, or any other.
+            let from = unit(&mut rng);
+            let to = if k % 2 == 0 {
+                let axis = axes[k / 2 % 3];
+                (2.0 * axis.dot(&Vector3::from(from)) * axis - Vector3::from(from)).into()
+            } else {
+                unit(&mut rng)
+            };
+            let along = |t: f64| {
+                let n = Vector3::from(from) * (1.0 - t) + Vector3::from(to) * t;
+                core.support(&n.normalize().into(), 0).1
+            };
+            let (mut low, mut high) = (0.0, 1.0);
+            let jump = |low: f64, high: f64| length(&sub(&along(low), &along(high)));
+            while high - low > 1e-13 {
+                let middle = 0.5 * (low + high);
+                if jump(low, middle) > jump(middle, high) {
+                    high = middle;
+                } else {
+                    low = middle;
+                }
+            }
+            if jump(low, high) < 1e-3 * reach {
+                continue;
+            }
+            let n = Vector3::from(from) * (1.0 - low) + Vector3::from(to) * low;
+            let flat = core
+                .flat(&n.normalize())
+                .expect("a flat part where the support point jumps");
+            for end in [along(low), along(high)] {
+                let off = length(&sub(&flat.foot(&end), &end));
+                assert!(off <= 1e-6 * reach, "the flat part at {n:?} misses {end:?} by {off}");
+            }
+        }
+        for side in [-1.0, 1.0] {
+            let Some(disc) = core.disc(&Vector3::new(0.0, 0.0, side)) else {
+                continue;
+            };
+            for k in 0..16 {
+                let (sin, cos) = (f64::from(k) * 0.4).sin_cos();
+                let n = [1e-9 * cos, 1e-9 * sin, disc.side];
+                let expected = [disc.radius * cos, disc.radius * sin, disc.z];
+                let off = length(&sub(&core.support(&n, 0).1, &expected));
+                assert!(off <= 1e-6 * reach, "{disc:?} is no face");
+            }
+        }
+    }
+
+    /// Checks the second derivative against a difference quotient, away from poles, for a core that
+    /// is neither long nor flat.
+    fn check_bent(core: &impl Support) {
+        let mut rng = Rng::new(9);
+        for _ in 0..2_000 {
+            let (n, m) = (unit(&mut rng), unit(&mut rng));
+            let (branch, point) = core.support(&n, 0);
             let d = sub(&m, &n.map(|x| x * dot(&n, &m)));
             let step = 1e-6;
             let turned = [0, 1, 2].map(|k| n[k] + step * d[k]);
             let back = [0, 1, 2].map(|k| n[k] - step * d[k]);
             let slope = sub(&core.of_branch(branch, &turned), &core.of_branch(branch, &back)).map(|x| x / (2.0 * step));
             let bent = core.bent(branch, &point, &n, &d);
-            let off = sub(&slope, &bent);
-            let length = dot(&bent, &bent).sqrt();
+            let off = length(&sub(&slope, &bent));
             let is_mild = n.iter().all(|x| x.abs() > 0.05);
             assert!(
-                !is_mild || dot(&off, &off).sqrt() <= 1e-4 * (core.reach() + length),
+                !is_mild || off <= 1e-4 * (core.reach() + length(&bent)),
                 "{n:?}: {slope:?}, not {bent:?}"
-            );
-
-            // A ball inside the core at the point: its support value is at most that of the core
-            // along every direction.
-            let (centre, radius) = core.inner_ball(&point.into(), &n.into());
-            let highest = dot(&m, &core.support(&m, 0).1);
-            assert!(
-                dot(&m, &centre.into()) + radius <= highest + 1e-9 * core.reach(),
-                "inner ball"
             );
         }
     }
 
+    macro_rules! checked {
+        ($($kind:ident),*) => {
+            $(
+                let samples = $kind::samples();
+                samples.iter().for_each(check);
+                samples.first().iter().for_each(|core| check_bent(*core));
+            )*
+        };
+    }
+
     #[test]
     fn curved_cores_are_what_solvers_take_them_for() {
-        check(&Cylinder {
-            radius: 0.7,
-            half_height: 1.3,
-        });
-        check(&Cone {
-            radius: 0.7,
-            half_height: 1.3,
-        });
-        check(&Ellipsoid {
-            semi_axes: Vector3::new(1.0, 0.6, 0.3),
-        });
+        with_curved_kinds!(checked);
     }
 }

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use crate::base::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
-use crate::body::shape::{Cone, Cylinder, Disc, Ellipsoid, Flat, Support};
+use crate::body::shape::{Cone, Cylinder, Disc, Ellipsoid, Flat, Support, with_curved_kinds};
 use crate::pair::difference::support_vertex;
 
 /// A polyhedron in stored coordinates, times a power of two.
@@ -91,56 +91,58 @@ impl Support for PolyhedralCore<'_> {
     }
 }
 
-/// A core of any kind.
-#[derive(Clone, Copy)]
-pub(super) enum Any<'a> {
-    Hull(PolyhedralCore<'a>),
-    Ellipsoid(Ellipsoid),
-    Cylinder(Cylinder),
-    Cone(Cone),
-    /// The origin alone.
-    Point,
-}
-
 /// A core that can be converted to [`Any`].
 pub(super) trait CoreKind: Support {
     fn any(&self) -> Any<'_>;
 }
 
-macro_rules! kind {
-    ($($name:ident: $of:ty),*) => {
-        $(impl<'a> From<$of> for Any<'a> {
-            fn from(core: $of) -> Self {
-                Any::$name(core)
+macro_rules! any {
+    ($($kind:ident),*) => {
+        /// A core of any kind.
+        #[derive(Clone, Copy)]
+        pub(super) enum Any<'a> {
+            Hull(PolyhedralCore<'a>),
+            $($kind($kind),)*
+            /// The origin alone.
+            Point,
+        }
+
+        $(impl From<$kind> for Any<'_> {
+            fn from(core: $kind) -> Self {
+                Self::$kind(core)
             }
         }
 
-        impl<'a> CoreKind for $of {
+        impl CoreKind for $kind {
             fn any(&self) -> Any<'_> {
-                Any::$name(*self)
+                Any::$kind(*self)
             }
         })*
+
+        macro_rules! each {
+            ($any:expr, $core:ident => $result:expr, $point:expr) => {
+                match $any {
+                    Any::Hull($core) => $result,
+                    $(Any::$kind($core) => $result,)*
+                    Any::Point => $point,
+                }
+            };
+        }
     };
 }
 
-kind!(Hull: PolyhedralCore<'a>, Ellipsoid: Ellipsoid, Cylinder: Cylinder, Cone: Cone);
+with_curved_kinds!(any);
+
+impl CoreKind for PolyhedralCore<'_> {
+    fn any(&self) -> Any<'_> {
+        Any::Hull(*self)
+    }
+}
 
 impl CoreKind for Any<'_> {
     fn any(&self) -> Any<'_> {
         *self
     }
-}
-
-macro_rules! each {
-    ($any:expr, $core:ident => $result:expr, $point:expr) => {
-        match $any {
-            Any::Hull($core) => $result,
-            Any::Ellipsoid($core) => $result,
-            Any::Cylinder($core) => $result,
-            Any::Cone($core) => $result,
-            Any::Point => $point,
-        }
-    };
 }
 
 impl Support for Any<'_> {

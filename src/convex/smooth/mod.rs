@@ -46,13 +46,8 @@ use ladder::{SolverSetting, closest_of};
 
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;
-use crate::body::shape::{Core, match_core, order_of};
+use crate::body::shape::Core;
 use crate::pair::outcome::{DepthMode, Outcome};
-
-/// Returns the rank of a kind in the order in which a pair is solved.
-fn rank(core: &Core) -> u32 {
-    match_core!(core, _ => 0, core => order_of(core))
-}
 
 /// Returns the closest points of two cores, at least one of them curved.
 ///
@@ -62,7 +57,7 @@ fn rank(core: &Core) -> u32 {
 /// that are proven to overlap.
 #[inline]
 pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, until: DepthMode, memory: &mut WarmStart) -> Outcome {
-    if rank(a) <= rank(b) {
+    if a.rank() <= b.rank() {
         return ordered(a, b, pose, until, memory);
     }
     let pose = pose.swapped();

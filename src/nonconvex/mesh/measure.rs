@@ -11,7 +11,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT_SINGLE;
-use crate::nonconvex::query::near::NearRoom;
+use crate::nonconvex::query::near::NearMemory;
 use crate::nonconvex::query::triangle;
 use crate::nonconvex::tree::Tree;
 use crate::pair::location::WitnessLocation;
@@ -168,9 +168,9 @@ impl Mesh {
     }
 
     fn nearest_from(&self, point: &Vector3<f64>, level: f64, start: Option<u32>) -> MeshFoot {
-        let mut room = NearRoom::default();
-        room.start = start;
-        let near = self.nearest_triangle(point, level, &mut room);
+        let mut memory = NearMemory::default();
+        memory.start = start;
+        let near = self.nearest_triangle(point, level, &mut memory);
         let (square, point) = triangle::foot_of(point, &self.corners(near.item));
         let triangle = near.item;
         MeshFoot {

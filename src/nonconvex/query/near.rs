@@ -244,7 +244,7 @@ impl NearTriangle {
 
 /// Room of searches from points, reused from search to search.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct NearRoom {
+pub(crate) struct NearMemory {
     stack: Vec<(f64, u32)>,
     /// The triangles that may be closest, after a search.
     pub(crate) found: Vec<NearTriangle>,
@@ -256,17 +256,17 @@ pub(crate) struct NearRoom {
 
 impl Mesh {
     /// Returns the closest triangle and bounds of the distance, and leaves all triangles that may
-    /// be closest in the room.
+    /// be closest in the memory.
     ///
     /// All lengths are in stored units. The search ends early if a triangle is no farther than
     /// `enough`; then the lower bound is zero.
-    pub(crate) fn nearest_triangle(&self, point: &Vector3<f64>, enough: f64, room: &mut NearRoom) -> NearTriangle {
-        let NearRoom {
+    pub(crate) fn nearest_triangle(&self, point: &Vector3<f64>, enough: f64, memory: &mut NearMemory) -> NearTriangle {
+        let NearMemory {
             stack,
             found,
             leaves,
             start,
-        } = room;
+        } = memory;
         found.clear();
         *leaves = 0;
         let known = start.filter(|item| (*item as usize) < self.triangles.len());

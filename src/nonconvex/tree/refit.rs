@@ -154,14 +154,14 @@ impl Refit {
             others: &self.others,
             slack,
         };
-        let mut room = GroupRoom::new();
+        let mut memory = GroupMemory::new();
         for (k, eight) in self.eights.iter().enumerate() {
             if eight.nodes.iter().all(|node| self.steps[*node as usize] == 0) {
                 is_whole = false;
             } else if k < self.large {
                 reach = reach.larger(eight.fit(&self.places, &self.others, slack, boxes));
             } else {
-                reach = reach.larger(groups.fit(eight, boxes, &mut room));
+                reach = reach.larger(groups.fit(eight, boxes, &mut memory));
             }
         }
         (up(f64::from(reach) * (1.0 + 8.0 * UNIT_SINGLE)), is_whole)
@@ -360,12 +360,12 @@ struct GroupFit<'a> {
 type Extents = (f32x4, f32x4);
 
 /// Buffers for a group: heights of its vertices, and extents of its nodes.
-struct GroupRoom {
+struct GroupMemory {
     heights: [f32x4; 3 * GROUP],
     extents: [Extents; 2 * GROUP],
 }
 
-impl GroupRoom {
+impl GroupMemory {
     fn new() -> Self {
         Self {
             heights: [f32x4::ZERO; 3 * GROUP],
@@ -376,12 +376,12 @@ impl GroupRoom {
 
 impl GroupFit<'_> {
     /// Computes the boxes of eight groups. Returns their radius around the tree's origin.
-    fn fit(&self, eight: &EightAtRest, boxes: &mut [OrientedBox], room: &mut GroupRoom) -> f32 {
+    fn fit(&self, eight: &EightAtRest, boxes: &mut [OrientedBox], memory: &mut GroupMemory) -> f32 {
         let (axes, mut reach) = (eight.stored_axes(self.places, boxes), 0.0f32);
         for (lane, (&node, below)) in eight.nodes.iter().zip(&eight.below).enumerate() {
             if lane == 0 || node != eight.nodes[lane - 1] {
                 let axes = BoxAxes::new(axes.each(|axis| axis.each(|x| x[lane])));
-                self.fit_group(node, below, &axes, boxes, room);
+                self.fit_group(node, below, &axes, boxes, memory);
                 reach = reach.larger(boxes[node as usize].reach());
             }
         }
@@ -394,7 +394,7 @@ impl GroupFit<'_> {
         below: &VerticesBelow,
         axes: &BoxAxes,
         boxes: &mut [OrientedBox],
-        GroupRoom { heights, extents }: &mut GroupRoom,
+        GroupMemory { heights, extents }: &mut GroupMemory,
     ) {
         let others = &self.others[below.others[0] as usize..below.others[1] as usize];
         let vertices = (below.own[0]..below.own[1]).chain(others.iter().copied());

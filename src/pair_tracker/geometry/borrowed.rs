@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 
 use nalgebra::{Isometry3, Point3};
 
-use super::{Geometry, GeometryKind, OfKind, match_kind};
+use super::{Borrowed, GeometryKind};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::Operand;
 use crate::body::polyhedron::{BoxHint, ConvexPolyhedron};
@@ -12,7 +12,7 @@ use crate::body::shape::{Core, Shape};
 use crate::convex::contact::HalfSpace;
 use crate::half_space::{Above, HalfSpacePair};
 #[cfg(feature = "meshes")]
-use crate::nonconvex::{cloud::Cloud, mesh::Mesh, parts::PartsRef, pieces::Compound};
+use crate::nonconvex::{mesh::Mesh, parts::PartsRef, pieces::Compound};
 #[cfg(feature = "surfaces")]
 use crate::surface::BezierSurface;
 
@@ -21,41 +21,25 @@ use crate::surface::BezierSurface;
 /// References to a [`Geometry`] and to a body of each kind convert to this type, so a body need not
 /// be shared to be queried. A [`Shape`] that is a polyhedron and not rounded becomes a polyhedron.
 #[derive(Clone, Copy, Debug)]
-pub struct GeometryRef<'a>(pub(crate) Lent<'a>);
-
-/// The kinds of geometries.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Lent<'a> {
-    Polyhedron(LentBody<'a, ConvexPolyhedron>),
-    Convex(LentBody<'a, Shape>),
-    #[cfg(feature = "meshes")]
-    Compound(LentBody<'a, Compound>),
-    #[cfg(feature = "meshes")]
-    Mesh(LentBody<'a, Mesh>),
-    #[cfg(feature = "meshes")]
-    Cloud(LentBody<'a, Cloud>),
-    #[cfg(feature = "surfaces")]
-    BezierSurface(LentBody<'a, BezierSurface>),
-    HalfSpace(LentBody<'a, HalfSpace>),
-}
+pub struct GeometryRef<'a>(pub(crate) Borrowed<'a>);
 
 /// A body that is borrowed, and its owner if the body is shared.
 #[derive(Debug)]
-pub(crate) struct LentBody<'a, T> {
+pub(crate) struct BorrowedBody<'a, T> {
     body: &'a T,
     owner: Option<&'a Arc<T>>,
 }
 
-impl<T> Clone for LentBody<'_, T> {
+impl<T> Clone for BorrowedBody<'_, T> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<T> Copy for LentBody<'_, T> {}
+impl<T> Copy for BorrowedBody<'_, T> {}
 
-impl<'a, T> LentBody<'a, T> {
-    /// Returns the body for the lifetime of the loan.
+impl<'a, T> BorrowedBody<'a, T> {
+    /// Returns the body for the lifetime of the borrow.
     #[inline]
     pub(crate) fn get(self) -> &'a T {
         self.body
@@ -70,16 +54,16 @@ impl<'a, T> LentBody<'a, T> {
     }
 }
 
-impl<'a, T> From<&'a T> for LentBody<'a, T> {
+impl<'a, T> From<&'a T> for BorrowedBody<'a, T> {
     #[inline]
     fn from(body: &'a T) -> Self {
         Self { body, owner: None }
     }
 }
 
-impl<'a, T> LentBody<'a, T> {
+impl<'a, T> BorrowedBody<'a, T> {
     #[inline]
-    fn shared(owner: &'a Arc<T>) -> Self {
+    pub(super) fn shared(owner: &'a Arc<T>) -> Self {
         Self {
             body: owner,
             owner: Some(owner),
@@ -92,7 +76,7 @@ impl<'a> GeometryRef<'a> {
     #[inline]
     pub(crate) fn polyhedron(self) -> Option<&'a ConvexPolyhedron> {
         match self.0 {
-            Lent::Polyhedron(body) => Some(body.get()),
+            Borrowed::Polyhedron(body) => Some(body.get()),
             _ => None,
         }
     }
@@ -101,7 +85,7 @@ impl<'a> GeometryRef<'a> {
     #[inline]
     pub(crate) fn shape(self) -> Option<&'a Shape> {
         match self.0 {
-            Lent::Convex(shape) => Some(shape.get()),
+            Borrowed::Convex(shape) => Some(shape.get()),
             _ => None,
         }
     }
@@ -110,7 +94,7 @@ impl<'a> GeometryRef<'a> {
     #[cfg(feature = "meshes")]
     pub(crate) fn compound(self) -> Option<&'a Compound> {
         match self.0 {
-            Lent::Compound(body) => Some(body.get()),
+            Borrowed::Compound(body) => Some(body.get()),
             _ => None,
         }
     }
@@ -119,8 +103,8 @@ impl<'a> GeometryRef<'a> {
     #[cfg(feature = "meshes")]
     pub(crate) fn union(self) -> Option<PartsRef<'a>> {
         match self.0 {
-            Lent::Compound(body) => Some(PartsRef::Pieces(body.get())),
-            Lent::Cloud(cloud) => Some(PartsRef::Cloud(cloud.get())),
+            Borrowed::Compound(body) => Some(PartsRef::Pieces(body.get())),
+            Borrowed::Cloud(cloud) => Some(PartsRef::Cloud(cloud.get())),
             _ => None,
         }
     }
@@ -129,7 +113,7 @@ impl<'a> GeometryRef<'a> {
     #[cfg(feature = "meshes")]
     pub(crate) fn mesh(self) -> Option<&'a Mesh> {
         match self.0 {
-            Lent::Mesh(mesh) => Some(mesh.get()),
+            Borrowed::Mesh(mesh) => Some(mesh.get()),
             _ => None,
         }
     }
@@ -138,7 +122,7 @@ impl<'a> GeometryRef<'a> {
     #[cfg(feature = "surfaces")]
     pub(crate) fn surface(self) -> Option<&'a BezierSurface> {
         match self.0 {
-            Lent::BezierSurface(surface) => Some(surface.get()),
+            Borrowed::BezierSurface(surface) => Some(surface.get()),
             _ => None,
         }
     }
@@ -146,7 +130,7 @@ impl<'a> GeometryRef<'a> {
     /// Returns the half-space of a geometry that is a half-space.
     pub(crate) fn half_space(self) -> Option<&'a HalfSpace> {
         match self.0 {
-            Lent::HalfSpace(space) => Some(space.get()),
+            Borrowed::HalfSpace(space) => Some(space.get()),
             _ => None,
         }
     }
@@ -159,17 +143,17 @@ impl<'a> GeometryRef<'a> {
             (None, None) => return None,
         };
         let above = match other.0 {
-            Lent::Polyhedron(body) => Above::Polyhedron(body.get()),
-            Lent::Convex(shape) => Above::Shape(shape.get()),
+            Borrowed::Polyhedron(body) => Above::Polyhedron(body.get()),
+            Borrowed::Convex(shape) => Above::Shape(shape.get()),
             #[cfg(feature = "meshes")]
-            Lent::Compound(body) => Above::Parts(PartsRef::Pieces(body.get())),
+            Borrowed::Compound(body) => Above::Parts(PartsRef::Pieces(body.get())),
             #[cfg(feature = "meshes")]
-            Lent::Mesh(mesh) => Above::Parts(PartsRef::Mesh(mesh.get())),
+            Borrowed::Mesh(mesh) => Above::Parts(PartsRef::Mesh(mesh.get())),
             #[cfg(feature = "meshes")]
-            Lent::Cloud(cloud) => Above::Parts(PartsRef::Cloud(cloud.get())),
+            Borrowed::Cloud(cloud) => Above::Parts(PartsRef::Cloud(cloud.get())),
             #[cfg(feature = "surfaces")]
-            Lent::BezierSurface(surface) => Above::Surface(surface.get()),
-            Lent::HalfSpace(other) => Above::HalfSpace(other.get()),
+            Borrowed::BezierSurface(surface) => Above::Surface(surface.get()),
+            Borrowed::HalfSpace(other) => Above::HalfSpace(other.get()),
         };
         Some(HalfSpacePair::new(space, above, order))
     }
@@ -177,7 +161,7 @@ impl<'a> GeometryRef<'a> {
     /// Returns a polyhedron as a shape to keep; `None` for all other kinds.
     pub(crate) fn polyhedron_as_shape(self) -> Option<Arc<Shape>> {
         match self.0 {
-            Lent::Polyhedron(body) => Some(Arc::new(Shape::from(body.to_arc()))),
+            Borrowed::Polyhedron(body) => Some(Arc::new(Shape::from(body.to_arc()))),
             _ => None,
         }
     }
@@ -185,7 +169,7 @@ impl<'a> GeometryRef<'a> {
     /// Returns a convex geometry as a shape to keep; `None` for a compound, mesh, cloud or surface.
     pub(crate) fn to_shape(self) -> Option<Arc<Shape>> {
         match self.0 {
-            Lent::Convex(shape) => Some(shape.to_arc()),
+            Borrowed::Convex(shape) => Some(shape.to_arc()),
             _ => self.polyhedron_as_shape(),
         }
     }
@@ -194,32 +178,35 @@ impl<'a> GeometryRef<'a> {
     /// of the vertices of a mesh.
     #[inline]
     pub(crate) fn fingerprint(self) -> Fingerprint {
-        match_kind!(Lent, self.0, body => OfKind::fingerprint(body.get()))
+        self.0.fingerprint()
     }
 
     /// Returns the kind of the geometry.
     #[must_use]
     pub fn kind(self) -> GeometryKind {
-        match_kind!(Lent, self.0, body => OfKind::kind(body.get()))
+        self.0.body().kind()
     }
 
     /// Returns the axis-aligned box of the geometry in its frame, rounded outward.
     pub(crate) fn outer_box(self) -> (Point3<f64>, Point3<f64>) {
-        let (pose, hint) = (Isometry3::identity(), &mut BoxHint::default());
-        match_kind!(Lent, self.0, body => OfKind::aabb_at(body.get(), &pose, hint))
+        self.aabb_at(&Isometry3::identity(), &mut BoxHint::default())
+    }
+
+    /// Returns the axis-aligned box of the geometry at a pose, rounded outward.
+    #[inline]
+    pub(super) fn aabb_at(self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        self.0.body().aabb_at(pose, hint)
+    }
+
+    /// Returns the address of the body, equal for geometries that share it.
+    pub(super) fn address(self) -> usize {
+        core::ptr::from_ref(self.0.body()).addr()
     }
 
     /// Returns a ball that contains the geometry, in its frame: centre and radius.
     #[must_use]
     pub fn bounding_ball(self) -> (Point3<f64>, f64) {
-        match_kind!(Lent, self.0, body => OfKind::bounding_ball(body.get()))
-    }
-}
-
-impl<'a> From<&'a Geometry> for GeometryRef<'a> {
-    #[inline]
-    fn from(geometry: &'a Geometry) -> Self {
-        match_kind!(Geometry, geometry, body => Self::from(LentBody::shared(body)))
+        self.0.body().bounding_ball()
     }
 }
 
@@ -241,56 +228,16 @@ impl<'a> From<&GeometryRef<'a>> for GeometryRef<'a> {
     }
 }
 
-impl<'a> From<&'a Shape> for GeometryRef<'a> {
+impl Borrowed<'_> {
+    /// Returns a shape that is a polyhedron and not rounded as a polyhedron.
     #[inline]
-    fn from(shape: &'a Shape) -> Self {
-        Self(match shape.core() {
-            Core::Polyhedron(body) if shape.rounding_radius() == 0.0 => Lent::Polyhedron(LentBody::shared(body)),
-            _ => Lent::Convex(LentBody::from(shape)),
-        })
+    pub(super) fn unrounded(self) -> Self {
+        if let Self::Convex(shape) = self
+            && let Core::Polyhedron(body) = shape.get().core()
+            && shape.get().rounding_radius() == 0.0
+        {
+            return Self::Polyhedron(BorrowedBody::shared(body));
+        }
+        self
     }
 }
-
-impl<'a> From<LentBody<'a, Shape>> for GeometryRef<'a> {
-    #[inline]
-    fn from(shape: LentBody<'a, Shape>) -> Self {
-        Self(Lent::Convex(shape))
-    }
-}
-
-/// Converts borrowed bodies, for types whose bodies all have the same variant.
-macro_rules! lend {
-    ($kind:ident, $body:ty) => {
-        impl<'a> From<LentBody<'a, $body>> for GeometryRef<'a> {
-            #[inline]
-            fn from(body: LentBody<'a, $body>) -> Self {
-                Self(Lent::$kind(body))
-            }
-        }
-
-        impl<'a> From<&'a $body> for GeometryRef<'a> {
-            #[inline]
-            fn from(body: &'a $body) -> Self {
-                Self::from(LentBody::from(body))
-            }
-        }
-
-        impl<'a> From<&'a Arc<$body>> for GeometryRef<'a> {
-            #[inline]
-            fn from(body: &'a Arc<$body>) -> Self {
-                Self::from(LentBody::shared(body))
-            }
-        }
-    };
-}
-
-lend!(Polyhedron, ConvexPolyhedron);
-#[cfg(feature = "meshes")]
-lend!(Compound, Compound);
-#[cfg(feature = "meshes")]
-lend!(Mesh, Mesh);
-#[cfg(feature = "meshes")]
-lend!(Cloud, Cloud);
-#[cfg(feature = "surfaces")]
-lend!(BezierSurface, BezierSurface);
-lend!(HalfSpace, HalfSpace);

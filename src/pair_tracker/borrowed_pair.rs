@@ -26,10 +26,10 @@ use crate::time::separation::{
     FreeSpan, Measurement, PairMotion, PolyhedronPair, Proof, Separation, ShapePair, SupportPoint,
 };
 
-/// Two geometries, or their stand-ins, and the tracker of their [`Engine`](super::engine::Engine),
+/// Two geometries, or their converted copies, and the tracker of their [`Engine`](super::engine::Engine),
 /// which has the same variants.
 #[derive(Debug)]
-pub(crate) enum LentPair<'p> {
+pub(crate) enum BorrowedPair<'p> {
     Polyhedra(PolyhedronPair<'p>),
     Shapes(ShapePair<'p>),
     HalfSpace(HalfSpacePair<'p>),
@@ -49,27 +49,27 @@ pub(crate) enum LentPair<'p> {
 
 /// Calls a method of the pair of any kind.
 macro_rules! each {
-    ($lent:expr, $pair:ident => $asked:expr) => {
-        match $lent {
-            LentPair::Polyhedra($pair) => $asked,
-            LentPair::Shapes($pair) => $asked,
-            LentPair::HalfSpace($pair) => $asked,
+    ($all:expr, $pair:ident => $asked:expr) => {
+        match $all {
+            BorrowedPair::Polyhedra($pair) => $asked,
+            BorrowedPair::Shapes($pair) => $asked,
+            BorrowedPair::HalfSpace($pair) => $asked,
             #[cfg(feature = "meshes")]
-            LentPair::Pieces($pair) => $asked,
+            BorrowedPair::Pieces($pair) => $asked,
             #[cfg(feature = "meshes")]
-            LentPair::Meshes($pair) => $asked,
+            BorrowedPair::Meshes($pair) => $asked,
             #[cfg(feature = "surfaces")]
-            LentPair::Surfaces($pair) => $asked,
+            BorrowedPair::Surfaces($pair) => $asked,
             #[cfg(feature = "surfaces")]
-            LentPair::SurfaceAndShape($pair) => $asked,
+            BorrowedPair::SurfaceAndShape($pair) => $asked,
             #[cfg(feature = "surfaces")]
-            LentPair::SurfaceAndPieces($pair) => $asked,
-            LentPair::Balls($pair) => $asked,
+            BorrowedPair::SurfaceAndPieces($pair) => $asked,
+            BorrowedPair::Balls($pair) => $asked,
         }
     };
 }
 
-impl<'p> LentPair<'p> {
+impl<'p> BorrowedPair<'p> {
     /// Returns the closest points with bounds of the signed distance.
     #[inline]
     pub(crate) fn closest_with(&mut self, pose: &RelativePose, question: &QueryOptions) -> PairOutcome {
@@ -167,7 +167,7 @@ impl<'p> LentPair<'p> {
 /// Two geometries that can be measured over time, with a borrowed tracker: what
 /// [`impact`](crate::impact) takes.
 #[derive(Debug)]
-pub struct MovingPair<'p>(LentPair<'p>);
+pub struct MovingPair<'p>(BorrowedPair<'p>);
 
 impl Separation for MovingPair<'_> {
     #[inline]
@@ -217,7 +217,7 @@ impl Tracker {
     /// ```
     #[must_use]
     pub fn pair<'p>(&'p mut self, a: &'p ConvexPolyhedron, b: &'p ConvexPolyhedron) -> MovingPair<'p> {
-        MovingPair(LentPair::Polyhedra(PolyhedronPair::new(a, b, self)))
+        MovingPair(BorrowedPair::Polyhedra(PolyhedronPair::new(a, b, self)))
     }
 }
 
