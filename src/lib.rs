@@ -357,11 +357,15 @@ pub use nonconvex::penetration::PenetrationBounds;
 pub use nonconvex::pieces::{Compound, CompoundError, Piece};
 #[cfg(feature = "meshes")]
 pub use nonconvex::query::search::TreeWork;
+#[cfg(feature = "meshes")]
+pub use nonconvex::volume::{FaceShare, OverlapLoops, OverlapVolume};
 pub use pair::location::{PairOutcome, WitnessLocation};
 pub use pair::options::QueryOptions;
 pub use pair::outcome::WorldWitnesses;
 pub use pair::outcome::{Accuracy, ContactState, Decision, DepthMode, Distance, Outcome, Proposal, Solver, Work};
 pub use pair::point::PointOutcome;
+#[cfg(feature = "meshes")]
+pub use pair_tracker::OverlapError;
 pub use pair_tracker::geometry::{Geometry, GeometryKind, GeometryRef};
 pub use pair_tracker::{MovingPair, PairError, PairTracker, PairWork};
 pub use point::cover;

@@ -1020,8 +1020,9 @@ pub(crate) const EXACT_PLACE: f64 = 8.0 * UNIT;
 /// Error of `(b - a) x (p - a)` of plane coordinates, relative to the sum of the absolute products:
 /// two differences, a product and the difference of two products are one rounding each, 4 UNIT; the
 /// fifth covers the second order. Underflow: the caller adds the least normal number, as the
-/// products of stored coordinates with a place that is no stored one may vanish.
-#[cfg(feature = "exact")]
+/// products of stored coordinates with a place that is no stored one may vanish. Products of stored
+/// coordinates alone do not: they are multiples of `2^-714`.
+#[cfg(any(feature = "exact", feature = "meshes"))]
 pub(crate) const TURN_ERROR: f64 = 5.0 * UNIT;
 
 /// Error of `d . ((a - p) x (b - a))` for a direction `d` and an edge from `a` to `b`, in units of
@@ -1035,3 +1036,27 @@ pub(crate) const RAY_SIDE: f64 = 128.0 * UNIT;
 /// places, in units of the 1-norms of `u`, `v` and `x`: by `SIDE_ERROR`, 9 UNIT for either of the
 /// two products of each coordinate of `n`.
 pub(crate) const RAY_PLANE: f64 = 32.0 * UNIT;
+
+/// Factor that rounds up the error that a double-double carries along (`volume::arithmetic`). A
+/// product has five roundings: two products of errors, two sums, and the sum with its own rounding;
+/// a quotient has six. The larger number of a double-double stands for the whole, which is up to
+/// UNIT larger, twice. Sum: 8; twice that for the second order.
+#[cfg(feature = "meshes")]
+pub(crate) const COUNTED: f64 = 1.0 + 16.0 * UNIT;
+
+/// Error of a vertex that is placed in the frame of another body in double-double, in units of the
+/// sum of its coordinates, of the coordinates of both stored origins, and of the difference of the
+/// translations. An entry of a rotation has twelve operations on numbers up to 2, so it errs by
+/// less than 24 UNIT_DOUBLE_DOUBLE; an entry of the product of two rotations by three times 49 and
+/// two sums, 149; a coordinate of the vertex by three times as many sums, 152 times its length. The
+/// origin of B, rotated once and shifted, and rotated again: 24 + 2 and 24 + 3, less. Sum with the
+/// last sum: below 256. Underflow: case S.
+#[cfg(feature = "meshes")]
+pub(crate) const PLACED_VERTEX: f64 = 256.0 * UNIT_DOUBLE_DOUBLE;
+
+/// Bound of what one term of a volume loses by underflow, in units of the cube of the largest
+/// coordinate, or of one. Coordinates are multiples of `2^-357`, so products of up to three of
+/// their differences lose nothing. A quotient below `2^-969` and its products lose at most `2^-1074`
+/// each, times the cube; there are fewer than `2^10` operations in a term.
+#[cfg(feature = "meshes")]
+pub(crate) const LOST_TERM: f64 = f64::from_bits((1023 - 1000) << 52);

@@ -20,6 +20,7 @@
 //! - `decomposition`: pieces that replace a mesh.
 //! - `separation`: pairs over time.
 //! - `top`: the highest point along a direction.
+//! - `volume`: the volume that two solids share, and the curves in which their surfaces cross.
 //! - [`continuous`]: first contacts of vertices on straight paths.
 //!
 //! # The proof
@@ -60,3 +61,4 @@ pub(crate) mod separation;
 pub(crate) mod simple_surface;
 pub(crate) mod top;
 pub(crate) mod tree;
+pub(crate) mod volume;

@@ -130,6 +130,22 @@ pub(crate) fn about_origins(pose: &RelativePose, [a, b]: [&Vector3<f64>; 2]) -> 
     RelativePose::new(&at(low, pose_a.rotation), &at(high, pose_b.rotation)).ok()
 }
 
+/// Returns the position of B in A's frame, and whether it is exact, if both bodies are rotated
+/// alike.
+///
+/// Then a pose maps points without a rotation. Returns `None` for other poses.
+#[cfg(feature = "meshes")]
+pub(crate) fn shift_alike(pose: &RelativePose) -> Option<([DoubleDouble; 3], bool)> {
+    let (a, b) = (pose.a.q(), pose.b.q());
+    let is_unturned = a[..3] == [0.0; 3];
+    if a != b && !(is_unturned && b[..3] == [0.0; 3]) {
+        return None;
+    }
+    let shift = apart(pose, 1.0);
+    let is_exact = is_unturned || shift == [DoubleDouble::default(); 3];
+    Some((turned(&a, &transposed(&rotation(&a)), &shift), is_exact))
+}
+
 impl Transform<DoubleDouble> {
     /// Returns the transform from the unrounded poses.
     ///

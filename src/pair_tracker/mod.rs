@@ -22,8 +22,12 @@ mod mesh_questions;
 mod of_parts;
 #[cfg(feature = "surfaces")]
 mod of_surfaces;
+#[cfg(feature = "meshes")]
+mod overlaps;
 
 pub use borrowed_pair::MovingPair;
+#[cfg(feature = "meshes")]
+pub use overlaps::OverlapError;
 pub use tracker::{PairError, PairTracker, PairWork};
 
 pub(crate) use borrowed_pair::BorrowedPair;

@@ -17,6 +17,8 @@ use crate::pair::outcome::{Decision, Distance};
 use crate::pair_tracker::borrowed_pair::{BorrowedPair, MovingPair};
 use crate::pair_tracker::engine::{Engine, TrackedPair};
 use crate::pair_tracker::geometry::{GeometryKind, GeometryRef};
+#[cfg(feature = "meshes")]
+use crate::pair_tracker::overlaps::ConvertedSolid;
 #[cfg(feature = "surfaces")]
 use crate::surface::SurfaceWork;
 #[cfg(feature = "meshes")]
@@ -90,6 +92,9 @@ pub struct PairTracker {
     /// The contacts between patches that the caller has made.
     #[cfg(feature = "meshes")]
     pub(super) between: Option<Box<ContactTracker>>,
+    /// The meshes of the last bodies whose overlap was computed, if they were no meshes.
+    #[cfg(feature = "meshes")]
+    pub(super) solids: [Option<Box<ConvertedSolid>>; 2],
     /// The work of earlier pairs.
     pub(super) work: PairWork,
 }

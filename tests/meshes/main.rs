@@ -35,6 +35,7 @@ mod slots;
 mod solids;
 mod stand_ins;
 mod valleys;
+mod volume;
 
 use lin_canny::{ContactState, Mesh, MeshKind, PairTracker, RelativePose};
 pub(crate) use truth::forms::mesh;

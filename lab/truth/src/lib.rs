@@ -24,6 +24,7 @@
 //! | [`soups`], [`turned`], [`brute`] | nonconvex meshes, CAD-like meshes, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact contact state and distance of two small bodies |
 //! | [`near_points`] | the exact side and distance of points and meshes, and hard points |
+//! | [`volumes`] | the volume that two closed meshes share, exactly |
 //! | [`covers`] | whether balls contain a triangle or a tetrahedron, exactly |
 //! | [`lattice_points`] | the exact side of points on a lattice, in microseconds |
 //! | [`paths`] | the naive oracle of vertices on straight paths, and deliberately hard queries |
@@ -76,6 +77,7 @@ pub mod support;
 pub mod tally;
 pub mod turned;
 pub mod verdict;
+pub mod volumes;
 pub mod workload;
 
 pub use body::Body;

@@ -266,8 +266,22 @@ impl Mesh {
     /// Returns whether the body is in front of a triangle: the winding numbers on both sides of its
     /// centroid have a negative sum.
     ///
-    /// Returns `None` if no points beside the triangle show it.
+    /// Returns `None` if no points beside the triangle show it. Two equal triangles between bodies
+    /// of opposite sense show nothing.
     pub(crate) fn is_inward(&self, t: u32) -> Option<bool> {
+        let is_clear = |[front, back]: &[i32; 2]| front < back && front + back != 0;
+        self.sides_that(t, is_clear).map(|[front, back]| front + back < 0)
+    }
+
+    /// Returns the winding numbers in front of a triangle and behind it, close to its centroid.
+    ///
+    /// Returns `None` if no points beside the triangle show them.
+    pub(crate) fn sides(&self, t: u32) -> Option<[i32; 2]> {
+        self.sides_that(t, |[front, back]| front < back)
+    }
+
+    /// Returns the winding numbers on both sides of a triangle for which `is_clear` returns true.
+    fn sides_that(&self, t: u32, is_clear: impl Fn(&[i32; 2]) -> bool) -> Option<[i32; 2]> {
         let corners = self.corners(t);
         let normal = triangle::normal(&corners);
         let length = sqrt(normal.norm_squared());
@@ -277,11 +291,37 @@ impl Mesh {
             if !(front.height(&corners) > 0 && back.height(&corners) < 0) {
                 return None;
             }
-            let (front, back) = (self.winding(&front)?, self.winding(&back)?);
-            // Behind a triangle the surface winds once more. Two equal triangles between bodies of
-            // opposite sense show nothing.
-            (front < back && front + back != 0).then_some(front + back < 0)
+            // Behind a triangle the surface winds once more.
+            let sides = [self.winding(&front)?, self.winding(&back)?];
+            is_clear(&sides).then_some(sides)
         })
+    }
+
+    /// Returns whether points may have a winding number other than 0 and 1, unless the surface
+    /// crosses itself.
+    pub(crate) fn may_cover_itself(&self) -> bool {
+        self.report.parts.len() > 1 || self.may_face_inward()
+    }
+
+    /// Returns the first of the given triangles of each connected component.
+    pub(crate) fn first_triangles(&self, triangles: &[u32]) -> Vec<u32> {
+        let mut groups: Vec<u32> = (0..self.points.len() as u32).collect();
+        for t in &self.triangles {
+            for v in [t[1], t[2]] {
+                let (x, y) = (find(&mut groups, t[0]), find(&mut groups, v));
+                groups[x.max(y) as usize] = x.min(y);
+            }
+        }
+        let mut is_seen = vec![false; self.points.len()];
+        let root = |t: &u32| find(&mut groups, self.triangles[*t as usize][0]) as usize;
+        let roots: Vec<usize> = triangles.iter().map(root).collect();
+        let mut first = Vec::new();
+        for (t, root) in triangles.iter().zip(roots) {
+            if !core::mem::replace(&mut is_seen[root], true) {
+                first.push(*t);
+            }
+        }
+        first
     }
 
     /// Returns the sheet of each triangle, named by one of its triangles, and whether the surface

@@ -38,7 +38,7 @@ const LEAST: f32 = 1.0 / (1u64 << 60) as f32;
 /// The map `a_from_b` between the stored frames, and between the frames of the trees.
 pub(crate) struct TreeFrame {
     /// The rotation times one unit of B's stored frame in A's stored units.
-    pub(super) matrix: Matrix3<f64>,
+    pub(crate) matrix: Matrix3<f64>,
     pub(crate) translation: Vector3<f64>,
     /// The rotation without the unit.
     pub(crate) rotation: Matrix3<f64>,

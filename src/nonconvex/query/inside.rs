@@ -296,7 +296,7 @@ impl Mesh {
     /// A call returns the part of the segment that is left to search: boxes after this part are
     /// skipped, and a negative part ends the search. The points of the segment may be off by
     /// `error`.
-    pub(super) fn along(&self, from: &Vector3<f64>, to: &Vector3<f64>, error: f64, mut visit: impl FnMut(u32) -> f64) {
+    pub(crate) fn along(&self, from: &Vector3<f64>, to: &Vector3<f64>, error: f64, mut visit: impl FnMut(u32) -> f64) {
         let tree = &self.tree;
         let segment = Segment::new(tree, from, to, error);
         let mut most = segment.reach(1.0);

@@ -11,5 +11,5 @@ pub(super) mod overlap;
 pub(crate) mod ray;
 mod refined;
 pub(crate) mod search;
-pub(super) mod state;
+pub(crate) mod state;
 pub(crate) mod triangle;

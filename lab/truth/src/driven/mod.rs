@@ -10,6 +10,7 @@ pub mod distances;
 pub mod exact_place;
 pub mod far;
 pub mod lattice;
+pub mod overlaps;
 pub mod planner;
 pub mod points;
 pub mod rays;
