@@ -182,9 +182,12 @@ impl PairTracker {
     ///
     /// The solids are polyhedra, closed meshes, and compounds of polyhedra that do not overlap each
     /// other. The bounds hold for the exact pose and for all ties: equal bodies, flush faces, edges
-    /// on edges. They are at most `1e-9` of the volume apart if the volume is above `1e-12 L^3`.
-    /// Usually they are a few roundings apart; the rounding of vertices in the other frame adds up
-    /// to `2e-16 L` times the area inside the other body.
+    /// on edges.
+    ///
+    /// **Width**: a few roundings of the volume, and at most `1e-9` of the volume if it is above
+    /// `1e-12 L^3`. B's vertices are rounded once in A's frame unless the pose puts them there
+    /// exactly. This adds up to `4e-16 L` times the area of B's surface near A, which matters for
+    /// thin overlaps of large faces.
     ///
     /// **Bodies that share no volume** may still touch: [`intersects`](Self::intersects) decides
     /// that, exactly. Bounds around zero do not.

@@ -60,6 +60,17 @@ fn overlap(a: &Mesh, b: &Mesh, pose: &RelativePose) -> (f64, f64) {
 }
 
 #[test]
+fn volumes_of_meshes_of_lattice_points_are_those_of_rationals() {
+    let mut rng = Rng::new(16);
+    for _ in 0..200 {
+        let data: Vec<u8> = (0..34).map(|_| rng.below(256) as u8).collect();
+        if let Err(why) = overlaps::play_bytes(&data) {
+            panic!("{why}");
+        }
+    }
+}
+
+#[test]
 fn tiles_of_space_add_up_to_the_body() {
     let mut rng = Rng::new(106);
     for soup in [soups::torus(24, 12, 0.3), soups::gear(12), soups::screw(2, 12)] {

@@ -300,28 +300,15 @@ impl Mesh {
     /// Returns whether points may have a winding number other than 0 and 1, unless the surface
     /// crosses itself.
     pub(crate) fn may_cover_itself(&self) -> bool {
-        self.report.parts.len() > 1 || self.may_face_inward()
+        self.report.parts.len() > 1 || !self.report.non_manifold_edges.is_empty() || self.may_face_inward()
     }
 
-    /// Returns the first of the given triangles of each connected component.
-    pub(crate) fn first_triangles(&self, triangles: &[u32]) -> Vec<u32> {
-        let mut groups: Vec<u32> = (0..self.points.len() as u32).collect();
-        for t in &self.triangles {
-            for v in [t[1], t[2]] {
-                let (x, y) = (find(&mut groups, t[0]), find(&mut groups, v));
-                groups[x.max(y) as usize] = x.min(y);
-            }
-        }
-        let mut is_seen = vec![false; self.points.len()];
-        let root = |t: &u32| find(&mut groups, self.triangles[*t as usize][0]) as usize;
-        let roots: Vec<usize> = triangles.iter().map(root).collect();
-        let mut first = Vec::new();
-        for (t, root) in triangles.iter().zip(roots) {
-            if !core::mem::replace(&mut is_seen[root], true) {
-                first.push(*t);
-            }
-        }
-        first
+    /// Returns the first of the given triangles of each sheet.
+    pub(crate) fn first_of_sheets(&self, triangles: &[u32]) -> Vec<u32> {
+        let (sheets, _) = self.sheets();
+        let mut is_seen = vec![false; sheets.len()];
+        let mut is_first = |t: &u32| !core::mem::replace(&mut is_seen[sheets[*t as usize] as usize], true);
+        triangles.iter().copied().filter(|t| is_first(t)).collect()
     }
 
     /// Returns the sheet of each triangle, named by one of its triangles, and whether the surface

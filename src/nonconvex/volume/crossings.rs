@@ -123,10 +123,14 @@ impl Seen {
         let mut sides = [[0; 3]; 2];
         for k in 0..2 {
             let (other, t) = (1 - k, of[1 - k]);
+            let facet = ties::Facet::new(&corners[other]);
             for i in 0..3 {
                 let p = &corners[k][i];
                 let first = || surfaces.of[other].first_of_normal(t);
-                sides[k][i] = ties::side(p, &corners[other], BODIES[other], first);
+                sides[k][i] = match facet.side(p) {
+                    0 => ties::side(p, &corners[other], BODIES[other], first),
+                    side => side,
+                };
             }
             let [x, y, z] = sides[k];
             if x == y && y == z && x != 0 {

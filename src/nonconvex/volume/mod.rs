@@ -37,6 +37,7 @@ use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::UNIT;
 use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::query::state::PosedTrees;
 
 use arithmetic::{Arithmetic, Counted};
 use crossings::Crossings;
@@ -72,9 +73,9 @@ pub struct OverlapVolume {
     /// Whether a winding number other than 0 and 1 was found.
     ///
     /// Then a body covers points twice, or its triangles face inward, and the volume counts each
-    /// point by the product of both winding numbers. All vertices near the other body, and one
-    /// triangle of each of up to 256 components of a mesh, are tested; a false does not prove that
-    /// no component crosses another. [`Mesh::inspect`] finds all crossings of a mesh with itself.
+    /// point by the product of both winding numbers. All vertices near the other body are tested, and
+    /// one triangle of each of up to 256 sheets of a mesh (triangles connected over edges of two). A
+    /// false does not prove that no sheet crosses another: [`Mesh::inspect`] finds all crossings.
     pub covers_itself: bool,
 }
 
@@ -92,7 +93,7 @@ impl OverlapVolume {
         0.5 * self.lower + 0.5 * self.upper
     }
 
-    /// Adds the volume of another part that is counted apart, and may be less by `less`.
+    /// Returns the bounds of a volume that may be less, by at most `less`.
     pub(crate) fn reduced_by(mut self, less: f64) -> Self {
         if less > 0.0 {
             self.lower = (self.lower - less).next_down();
@@ -107,7 +108,8 @@ impl OverlapVolume {
 /// Returns the volume that two solids share.
 pub(crate) fn overlap(a: &Mesh, b: &Mesh, pose: &RelativePose) -> OverlapVolume {
     let Some(mut surfaces) = Surfaces::new(a, b, pose) else {
-        return unknown(a, b);
+        let is_apart = PosedTrees::far::<()>(a, b, pose).lower > 0.0;
+        return if is_apart { OverlapVolume::NONE } else { unknown(a, b) };
     };
     if !surfaces.may_meet() {
         return OverlapVolume::NONE;
@@ -216,19 +218,19 @@ fn unknown(a: &Mesh, b: &Mesh) -> OverlapVolume {
     }
 }
 
-/// Largest number of components of a mesh of which one triangle is tested.
-const COMPONENTS: usize = 256;
+/// Largest number of sheets of a mesh of which one triangle is tested.
+const SHEETS: usize = 256;
 
 /// Returns the range of the winding numbers that are known.
 ///
-/// They are those of vertices, and on both sides of a triangle of each component that lies near the
+/// They are those of vertices, and on both sides of a triangle of each sheet that lies near the
 /// other body.
 fn around(meshes: &[&Mesh; 2], surfaces: &Surfaces, mut range: [i32; 2]) -> [i32; 2] {
     for (mesh, surface) in meshes.iter().zip(&surfaces.of) {
         if !mesh.may_cover_itself() {
             continue;
         }
-        for t in mesh.first_triangles(&surface.near).into_iter().take(COMPONENTS) {
+        for t in mesh.first_of_sheets(&surface.near).into_iter().take(SHEETS) {
             if let Some([front, back]) = mesh.sides(t) {
                 range = [range[0].min(front), range[1].max(back)];
             }

@@ -151,6 +151,9 @@ pub(super) struct Surface<'a> {
     pub(super) bounds: Bounds,
     /// The triangles that may meet the box of the other surface, in rising order.
     pub(super) near: Vec<u32>,
+    boxes: Vec<Bounds>,
+    /// One more than the index of each near triangle in `near`, and 0 for the others.
+    slots: Vec<u32>,
     /// How far a vertex is from its true place at most.
     pub(super) off: f64,
 }
@@ -174,6 +177,12 @@ impl Surface<'_> {
     #[inline]
     pub(super) fn corners(&self, t: u32) -> Triangle {
         self.vertices(t).each(|v| *self.point(v))
+    }
+
+    /// Returns the index of a near triangle in `near`; out of range for all others.
+    #[inline]
+    fn slot(&self, t: u32) -> usize {
+        (self.slots[t as usize] as usize).wrapping_sub(1)
     }
 
     /// Returns whether all corners of a triangle have their places.
@@ -248,6 +257,8 @@ impl<'a> Surfaces<'a> {
             first: vec![UNKNOWN; mesh.triangles.len()],
             bounds,
             near: Vec::new(),
+            boxes: Vec::new(),
+            slots: vec![0; mesh.triangles.len()],
             off: mesh.off,
         };
         let flush = power_of_two(exponent_of(frame.size) - FLUSH_EXPONENT);
@@ -292,8 +303,11 @@ impl<'a> Surfaces<'a> {
                     Below::Leaf(first, count) => near.extend(first..first + count),
                 }
             }
-            for &t in &near {
+            for (slot, &t) in (1..).zip(&near) {
                 self.ready(k, t);
+                let bounds = Bounds::of(&self.of[k].corners(t));
+                self.of[k].boxes.push(bounds);
+                self.of[k].slots[t as usize] = slot;
             }
             self.of[k].near = near;
         }
@@ -343,16 +357,12 @@ impl<'a> Surfaces<'a> {
 
     /// Calls a function with all pairs of triangles whose boxes meet.
     pub(super) fn each_pair(&self, mut visit: impl FnMut(NodePair)) {
-        let mut last = (u32::MAX, Bounds::of(&[Vector3::zeros(); 3]));
+        let [a, b] = &self.of;
         self.posed.meet(2.0 * self.posed.frame.error, usize::MAX, |[i, j]| {
-            // Only triangles near the box of A have places.
-            if self.of[1].is_ready(j) {
-                if last.0 != i {
-                    last = (i, Bounds::of(&self.of[0].corners(i)));
-                }
-                if last.1.meets(&Bounds::of(&self.of[1].corners(j))) {
-                    visit([i, j]);
-                }
+            if let (Some(x), Some(y)) = (a.boxes.get(a.slot(i)), b.boxes.get(b.slot(j)))
+                && x.meets(y)
+            {
+                visit([i, j]);
             }
             false
         });

@@ -19,7 +19,7 @@ use nalgebra::Vector3;
 use crate::base::num::double_double::{Expansion, two_sum};
 use crate::base::num::sign::{self, sign};
 use crate::base::pose::Operand;
-use crate::base::tolerance::TURN_ERROR;
+use crate::base::tolerance::{SIDE_ERROR, TURN_ERROR};
 use crate::nonconvex::query::triangle::Triangle;
 
 /// Returns the sign of the first component of a triangle's normal that is not zero.
@@ -28,6 +28,36 @@ use crate::nonconvex::query::triangle::Triangle;
 pub(super) fn first_of_normal([a, b, c]: &Triangle) -> i32 {
     let component = |axis: usize| sign(sign::turn(axis, a, b, c));
     (0..3).map(component).find(|s| *s != 0).unwrap_or(0)
+}
+
+/// The plane of a triangle, for the signs that rounding leaves without doubt.
+pub(super) struct Facet {
+    corner: Vector3<f64>,
+    /// The normal, up to rounding, and the sums of the absolute products of which it consists.
+    normal: Vector3<f64>,
+    size: Vector3<f64>,
+}
+
+impl Facet {
+    pub(super) fn new(corners: &Triangle) -> Self {
+        let (u, v) = (corners[1] - corners[0], corners[2] - corners[0]);
+        let size = |i: usize, j: usize| (u[i] * v[j]).abs() + (u[j] * v[i]).abs();
+        Self {
+            corner: corners[0],
+            normal: u.cross(&v),
+            size: Vector3::new(size(1, 2), size(2, 0), size(0, 1)),
+        }
+    }
+
+    /// Returns the side of a point if rounding leaves no doubt, else 0.
+    #[inline]
+    pub(super) fn side(&self, p: &Vector3<f64>) -> i32 {
+        let apart = p - self.corner;
+        let height = self.normal.dot(&apart);
+        // Nothing underflows, because coordinates are multiples of `2^-357`.
+        let bound = SIDE_ERROR * self.size.dot(&apart.abs());
+        i32::from(height > bound) - i32::from(height < -bound)
+    }
 }
 
 /// Returns the side of a point at a triangle of the other surface: 1 in front of it, -1 behind.

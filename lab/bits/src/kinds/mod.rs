@@ -44,6 +44,7 @@ pub const KINDS: &[(&str, u64, Kind)] = &[
     ("bending", 22, parts::bending),
     ("faulty-meshes", 23, parts::faulty_meshes),
     ("repairs", 55, parts::repairs),
+    ("overlaps", 56, parts::overlaps),
     ("compounds", 25, parts::compounds),
     ("clouds", 44, parts::clouds),
     ("decompositions", 26, parts::decompositions),

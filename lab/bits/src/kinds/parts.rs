@@ -3,7 +3,7 @@
 use super::WITHIN;
 use crate::make::*;
 use crate::{Random, Teller};
-use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{
     Cloud, CloudElement, Compound, ConvexPatches, Decomposition, Geometry, GeometryRef, ManifoldOptions, Mesh,
     PairTracker, PointQuery, QueryOptions, Ray, RayCaster, RepairOptions, Shape,
@@ -150,6 +150,28 @@ pub(super) fn repairs(t: &mut Teller, r: &mut Random) {
             }
             Err(e) => t.tell("error", e),
         }
+    }
+}
+
+pub(super) fn overlaps(t: &mut Teller, r: &mut Random) {
+    for _ in 0..t.rounds(300) {
+        let (a, b) = (hull(r, 12, 0), hull(r, 9, 0));
+        let (points, triangles) = faulty(r);
+        let Ok((mesh, _)) = Mesh::repaired(&points, &triangles, &RepairOptions::default()) else {
+            continue;
+        };
+        t.tell("bounds", mesh.volume_bounds());
+        let pose = match r.below(3) {
+            0 => Isometry3::identity(),
+            1 => isometry(r, 0.5).translation.into(),
+            _ => isometry(r, 0.5),
+        };
+        let pose = relative(&pose);
+        let mut pair = PairTracker::new();
+        t.tell("hulls", pair.overlap(&a, &b, &pose));
+        t.tell("mesh", pair.overlap(&mesh, &b, &pose));
+        t.tell("equal", pair.overlap(&mesh, &mesh, &pose));
+        t.tell("loops", pair.overlap_loops(&mesh, &a, &pose));
     }
 }
 

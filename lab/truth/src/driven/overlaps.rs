@@ -3,13 +3,13 @@
 //! [`play`] draws bodies of cells of a lattice: boxes, sets of cells with edges of four faces, nested
 //! shells, bodies that cover themselves, and equal, flush and thin overlaps. Their shared volume is a
 //! sum of products of small integers. [`play_exactly`] draws meshes of every kind at any pose, broken
-//! and repaired, bent, and as polyhedra; the oracle cuts tetrahedra over the rationals.
-//! The instrument `soak` uses this module.
+//! and repaired, bent, and as polyhedra; the oracle cuts tetrahedra over the rationals. [`play_bytes`]
+//! is the entry of `fuzz/`. The instrument `soak` uses this module.
 
 use dashu_ratio::RBig;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, OverlapVolume, PairTracker, Piece, RelativePose};
-use lin_canny::{RepairOptions, polyhedron::solids};
+use lin_canny::{MeshKind, RepairOptions, polyhedron::solids};
 
 use crate::near_points::hard_mesh;
 use crate::pose::{add, norm, scale};
@@ -19,7 +19,7 @@ use crate::soups::{self, Soup};
 use crate::volumes::{Exact, shared};
 use crate::{Point, Pose};
 
-use super::slots::union_of;
+use super::{Bytes, slots::union_of};
 
 crate::tally! {
     /// Counts of the results; if a count is zero, its ingredient was not tested.
@@ -238,6 +238,50 @@ pub fn play(seed: u64) -> Result<Mix, String> {
         mix.forms[2] = 2;
     }
     Ok(mix)
+}
+
+/// Plays two meshes of lattice points, which bytes choose.
+///
+/// Each mesh is the boundary of up to four tetrahedra with corners on a lattice, so it is closed, and
+/// ties are everywhere. It may cover itself and face inward.
+///
+/// # Errors
+/// Returns the first wrong answer.
+pub fn play_bytes(data: &[u8]) -> Result<(), String> {
+    let mut bytes = Bytes(data);
+    let mut body = || {
+        let mut soup = Soup::default();
+        for _ in 0..1 + bytes.byte() % 4 {
+            let first = soup.points.len() as u32;
+            for _ in 0..4 {
+                let x = bytes.byte();
+                soup.points.push([x % 4, x / 4 % 4, x / 16 % 4].map(f64::from));
+            }
+            let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+            soup.triangles.extend(faces.map(|t| t.map(|v| first + v)));
+        }
+        soup
+    };
+    let (a, b) = (body(), body());
+    // Flat tetrahedra leave no triangle.
+    let (Ok(x), Ok(y)) = (mesh(&a), mesh(&b)) else {
+        return Ok(());
+    };
+    if x.kind() == MeshKind::Open || y.kind() == MeshKind::Open {
+        return Err(format!("{a:?} or {b:?} is open"));
+    }
+    let here = RelativePose::from_isometry(&Isometry3::identity()).map_err(|e| e.to_string())?;
+    let (truth, _) = shared(&chain(&x), &chain(&y));
+    let mut tracker = PairTracker::new();
+    for (p, q) in [(&x, &y), (&y, &x)] {
+        let found = tracker.overlap(p, q, &here).map_err(|e| e.to_string())?;
+        judge(&found, &truth, 4.0, &format!("{a:?} {b:?}"))?;
+        let curves = tracker.overlap_loops(p, q, &here).map_err(|e| e.to_string())?;
+        if !curves.loops.iter().flatten().all(|p| p.iter().all(|x| x.is_finite())) {
+            return Err(format!("{a:?} {b:?}: {curves:?}"));
+        }
+    }
+    Ok(())
 }
 
 /// Returns a box as a mesh.

@@ -34,8 +34,8 @@ use race::progress::Progress;
 use tally::Tally;
 use truth::command::{count, number};
 use truth::driven::{
-    bytes, calls, clouds, corners, distances, far, lattice, planner, points, rays, repairs, scenes, slivers, solids,
-    stand_ins, surfaces, throws, turned_boxes, underflow,
+    bytes, calls, clouds, corners, distances, far, lattice, overlaps, planner, points, rays, repairs, scenes, slivers,
+    solids, stand_ins, surfaces, throws, turned_boxes, underflow,
 };
 use truth::motion::Frame;
 use truth::rng::Rng;
@@ -296,6 +296,19 @@ const DRIVERS: [Driver; 21] = [
         salt: 0xfa17,
         count: 2,
         play: |seed, tally| faulty::play(seed).map(|mix| tally.faulty.add(&mix)),
+    },
+    // Volumes that two solids share: closed forms, and rationals.
+    Driver {
+        name: "overlap of lattice bodies",
+        salt: 0x0e1a,
+        count: 20,
+        play: |seed, tally| overlaps::play(seed).map(|mix| tally.overlaps.add(&mix)),
+    },
+    Driver {
+        name: "overlap of meshes",
+        salt: 0x0e1b,
+        count: 1,
+        play: |seed, tally| overlaps::play_exactly(seed).map(|mix| tally.overlaps.add(&mix)),
     },
     // Meshes that lost triangles, or have some turned, doubled or apart, repaired.
     Driver {

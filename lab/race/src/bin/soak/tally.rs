@@ -7,8 +7,8 @@ use crate::faulty;
 use lin_canny::Outcome;
 use truth::driven::lattice::Mix;
 use truth::driven::{
-    bytes, calls, clouds, corners, distances, far, planner, points, rays, repairs, scenes, slivers, solids, stand_ins,
-    surfaces, throws, turned_boxes, underflow,
+    bytes, calls, clouds, corners, distances, far, overlaps, planner, points, rays, repairs, scenes, slivers, solids,
+    stand_ins, surfaces, throws, turned_boxes, underflow,
 };
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
@@ -49,6 +49,8 @@ truth::tally! {
         pub(crate) curves: curved::Mix,
         /// Meshes with faults.
         pub(crate) faulty: faulty::Mix,
+        /// Volumes that two solids share.
+        pub(crate) overlaps: overlaps::Mix,
         /// Damaged meshes.
         pub(crate) repairs: repairs::Mix,
         /// Meshes of slivers.
@@ -118,6 +120,7 @@ impl Tally {
         println!("bodies of random bytes: {:?}", self.bytes);
         println!("scenes of bodies of every kind: {:?}", self.scenes);
         println!("meshes with faults: {:?}", self.faulty);
+        println!("volumes that solids share: {:?}", self.overlaps);
         println!("damaged meshes: {:?}", self.repairs);
         println!("meshes of slivers: {:?}", self.slivers);
         println!("solids with faces in common: {:?}", self.solids);
