@@ -18,6 +18,7 @@
 //! | [`cells`], [`arm`] | an arm of meshes in its cell; an arm of hulls in its cell, drawn |
 //! | [`support`], [`forms`] | plain data as bodies and poses of the crate; bodies of every kind |
 //! | [`mod@tally`] | counts that add themselves |
+//! | [`mod@rows`] | cases of a test as rows of a text |
 //! | [`driven`] | calls drawn from bytes and seeds, judged by brute force; readers of files |
 //! | [`pairs`] | pairs in the form of this crate and of parry, and their motions |
 //! | [`nets`] | control points of curved surfaces |
@@ -70,6 +71,7 @@ pub mod rational;
 #[path = "../../../tests/support/rng.rs"]
 pub mod rng;
 pub mod rooms;
+pub mod rows;
 pub mod shapes;
 pub mod soups;
 pub mod suite;
