@@ -4,156 +4,154 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_plan::{Cell, ConfigurationSpace};
-use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Srdf, Trajectory};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use lin_canny_robot::{CellFile, FileError, LoadOptions, Packages, Robot, Srdf, Trajectory};
+use truth::mutants;
 
-fn examples() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
 }
 
-/// Words that change what a file says.
-const WORDS: [&str; 18] = [
-    "NaN",
-    "inf",
-    "-1",
-    "0",
-    "1e308",
-    "1e-308",
-    "\"",
-    "<",
-    "/>",
-    "&",
-    "mimic joint=\"left\"",
-    "gripper",
-    "base",
-    "planar",
-    "floating",
-    "continuous",
-    "sphere",
-    "\u{fffd}",
-];
-
-/// A text with one or two places changed: what stands between two marks replaced by a word, doubled or cut out, or
-/// a few letters anywhere.
-fn mutated(text: &str, random: &mut ChaCha8Rng) -> String {
-    let mut text = text.to_owned();
-    for _ in 0..random.random_range(1..3) {
-        let (a, b) = if random.random_bool(0.7) {
-            value(&text, random)
-        } else {
-            letters(&text, random)
-        };
-        let with = match random.random_range(0..4) {
-            0 => String::new(),
-            1 => text[a..b].repeat(2),
-            _ => WORDS[random.random_range(0..WORDS.len())].to_owned(),
-        };
-        text.replace_range(a..b, &with);
-    }
-    text
+fn text(name: &str) -> String {
+    std::fs::read_to_string(folder().join(name)).expect(name)
 }
 
-/// The range between two neighbouring quotes, commas or brackets.
-fn value(text: &str, random: &mut ChaCha8Rng) -> (usize, usize) {
-    let is_mark = |(_, c): &(usize, char)| matches!(c, '"' | ',' | '[' | ']' | '\n');
-    let marks: Vec<usize> = text.char_indices().filter(is_mark).map(|(k, _)| k).collect();
-    let k = random.random_range(1..marks.len());
-    (marks[k - 1] + 1, marks[k])
+/// Reads mutants of a text that stands in a file.
+fn read<T>(text: &str, words: &[&str], count: usize, mut reader: impl FnMut(&str) -> Result<T, FileError>) {
+    mutants::read(text.as_bytes(), words, count, |bytes| {
+        let changed = String::from_utf8_lossy(bytes);
+        reader(&changed)
+            .map_err(|error| assert!(!error.to_string().is_empty()))
+            .is_ok()
+    });
 }
 
-/// A range of up to eight bytes.
-fn letters(text: &str, random: &mut ChaCha8Rng) -> (usize, usize) {
-    let boundary = |at: usize| {
-        (0..=at.min(text.len()))
-            .rev()
-            .find(|k| text.is_char_boundary(*k))
-            .unwrap_or(0)
-    };
-    let a = boundary(random.random_range(0..text.len()));
-    (a, boundary(a + random.random_range(1..9)).max(a))
+/// Reads mutants of a robot: each gives an error, of which most have a line, or a robot whose links have finite poses.
+fn robots(name: &str, text: &str, words: &[&str], count: usize) {
+    let path = folder().join(name);
+    let (mut poses, mut state, mut errors) = (Vec::new(), 0.0, [0; 2]);
+    read(text, words, count, |changed| {
+        let robot = Robot::parse(changed, &path, &Packages::default(), &LoadOptions::default());
+        let robot = robot.inspect_err(|error| errors[usize::from(error.line.is_some())] += 1)?;
+        assert_eq!(robot.links().len(), robot.joints().len() + 1);
+        let mut setup = Cell::new();
+        setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
+        let Ok(space) = setup.space() else { return Ok(()) };
+        let drawn = space.sample(&mut || {
+            state = (state + 0.618_033_988_749_894_9) % 1.0;
+            state
+        });
+        for q in [robot.start(), &drawn] {
+            space.place(q, &mut poses);
+            let is_finite = |p: &Isometry3<f64>| p.to_homogeneous().iter().all(|x| x.is_finite());
+            assert!(poses.iter().all(is_finite), "{changed}");
+        }
+        Ok(())
+    });
+    assert!(
+        errors[1] > errors[0],
+        "{name}: {errors:?} errors without and with a line"
+    );
 }
 
 #[test]
 fn changed_urdfs_never_panic() {
-    let path = examples().join("gripper.urdf");
-    let text = std::fs::read_to_string(&path).expect("the example");
     let filter = "<drake:collision_filter_group xmlns:drake=\"http://drake.mit.edu\" name=\"a\" ignore=\"false\">
         <drake:member link=\"base\"/><drake:member link=\"gripper\"/><drake:member_group name=\"a\"/>
         <drake:ignored_collision_filter_group name=\"a\"/></drake:collision_filter_group></robot>";
-    let text = text.replace("</robot>", filter);
-    let mut random = ChaCha8Rng::seed_from_u64(1);
-    let (mut read, mut with_line) = (0, 0);
-    let mut poses = Vec::new();
-    for _ in 0..3000 {
-        let changed = mutated(&text, &mut random);
-        match Robot::parse(&changed, &path, &Packages::default(), &LoadOptions::default()) {
-            Ok(robot) => {
-                read += 1;
-                let mut setup = Cell::new();
-                setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
-                let Ok(space) = setup.space() else { continue };
-                let q = space.sample(&mut || random.random::<f64>());
-                space.place(&q, &mut poses);
-                let is_finite = |p: &Isometry3<f64>| p.to_homogeneous().iter().all(|x| x.is_finite());
-                assert!(poses.iter().all(is_finite), "{changed}");
-            }
-            Err(error) => {
-                assert!(!error.to_string().is_empty());
-                with_line += usize::from(error.line.is_some());
-            }
-        }
+    let name = "examples/gripper.urdf";
+    let words = [
+        "mimic joint=\"left\"",
+        "gripper",
+        "base",
+        "planar",
+        "floating",
+        "continuous",
+        "sphere",
+    ];
+    robots(name, &text(name).replace("</robot>", filter), &words, 3000);
+}
+
+#[test]
+fn changed_mjcfs_never_panic() {
+    for name in ["frames", "pairs", "equality", "meshes"] {
+        let name = format!("tests/mujoco/models/{name}.xml");
+        let words = ["body", "geom", "frame", "class=\"long\"", "1 2 3 4 5 6 7"];
+        robots(&name, &text(&name), &words, 1000);
     }
-    assert!(
-        read > 100 && with_line > 1000,
-        "{read} read, {with_line} refused with a line"
-    );
+}
+
+#[test]
+fn changed_sdformats_never_panic() {
+    let words = [
+        "world",
+        "__model__",
+        "hand",
+        "left",
+        "arm::hand",
+        "elbow_frame",
+        "table",
+        "fixed",
+        "prismatic",
+        "true",
+        "1.4",
+        "relative_to=\"hand\"",
+        "attached_to=\"left\"",
+    ];
+    let marked = text("tests/sdformat/marked.xml").replace("part.stl", "../../examples/gripper_arm/finger.obj");
+    let part = Path::new(env!("CARGO_TARGET_TMPDIR")).join("part.sdf");
+    let model = "<sdf version=\"1.9\"><model name=\"m\"><link name=\"a\"/></model></sdf>";
+    std::fs::write(&part, model).expect("a file");
+    let include = format!("<include><uri>file://{}</uri><name>i</name></include>", part.display());
+    let marked = marked.replacen("@model@", &include, 1);
+    let marks = |line: &&str| !line.starts_with('@');
+    let marked: String = marked.lines().filter(marks).collect::<Vec<_>>().join("\n");
+    for (name, text) in [
+        ("examples/bench.sdf", text("examples/bench.sdf")),
+        ("tests/sdformat/marked.sdf", marked),
+    ] {
+        robots(name, &text, &words, 2500);
+        let path = folder().join(name);
+        read(&text, &words, 2500, |changed| {
+            CellFile::parse(changed, &path, &Packages::default(), &LoadOptions::default())
+        });
+    }
 }
 
 #[test]
 fn changed_cells_srdfs_and_trajectories_never_panic() {
-    let robot = Robot::load(examples().join("gripper.urdf"), &Packages::default()).expect("the example");
-    let text = |name: &str| std::fs::read_to_string(examples().join(name)).expect("the example");
-    let (cell, srdf, rows) = (text("cell.json"), text("gripper.srdf"), text("carry.csv"));
+    let robot = Robot::load(folder().join("examples/gripper.urdf"), &Packages::default()).expect("the example");
+    let path = folder().join("examples/changed");
+    let words = ["gripper", "base", "planar", "floating", "sphere"];
+    read(&text("examples/cell.json"), &words, 3000, |changed| {
+        CellFile::parse(changed, &path, &Packages::default(), &LoadOptions::default())
+    });
     let groups = "<group name=\"hand\"><link name=\"gripper\"/><joint name=\"left\"/></group>
         <group name=\"all\"><group name=\"arm\"/><group name=\"hand\"/></group>
         <group_state name=\"home\" group=\"arm\"><joint name=\"lift\" value=\"0.5\"/><joint name=\"elbow\" value=\"1\"/></group_state>
         <virtual_joint name=\"v\" type=\"planar\" parent_frame=\"w\" child_link=\"base\"/></robot>";
-    let srdf = srdf.replace("</robot>", groups);
-    let mut random = ChaCha8Rng::seed_from_u64(2);
+    let srdf = text("examples/gripper.srdf").replace("</robot>", groups);
+    read(&srdf, &words, 3000, |changed| Srdf::parse(changed, &path, &robot));
+    read(&text("examples/carry.csv"), &words, 3000, |changed| {
+        let trajectory = Trajectory::parse(changed, &path, robot.coordinates())?;
+        assert!(trajectory.rows.iter().flatten().all(|x| x.is_finite()));
+        Ok(())
+    });
     let names: Vec<String> = robot.coordinates().iter().map(|c| format!("\"{}\"", c.name)).collect();
     let zeros = vec!["0.01"; names.len()].join(", ");
     let point = |t: u32| format!("{{\"positions\": [{zeros}], \"velocities\": [{zeros}], \"time_from_start\": {t}}}");
+    let (first, last) = (point(0), point(1));
     let message = format!(
-        "{{\"joint_names\": [{}], \"points\": [{}, {}]}}",
-        names.join(", "),
-        point(0),
-        point(1)
+        "{{\"joint_names\": [{}], \"points\": [{first}, {last}]}}",
+        names.join(", ")
     );
-    let block = format!(
-        "joint_names:\n- {}\npoints:\n- {}\n- {}\n",
-        names.join("\n- "),
-        point(0),
-        point(1)
-    );
-    let mut read = [0; 5];
-    for _ in 0..3000 {
-        let path = examples().join("changed");
-        for (k, (text, extension)) in [(&message, "json"), (&block, "yaml")].into_iter().enumerate() {
-            let (text, path) = (mutated(text, &mut random), path.with_extension(extension));
-            if let Ok(trajectory) = Trajectory::parse_timed(&text, &path, robot.coordinates(), &[]) {
-                read[3 + k] += 1;
-                // An error of the numbers is no panic.
-                let _ = trajectory.curves();
-            }
-        }
-        let changed = mutated(&cell, &mut random);
-        read[0] += usize::from(CellFile::parse(&changed, &path, &Packages::default(), &LoadOptions::default()).is_ok());
-        read[1] += usize::from(Srdf::parse(&mutated(&srdf, &mut random), &path, &robot).is_ok());
-        if let Ok(trajectory) = Trajectory::parse(&mutated(&rows, &mut random), &path, robot.coordinates()) {
-            read[2] += 1;
-            assert!(trajectory.rows.iter().flatten().all(|x| x.is_finite()));
-        }
+    let block = format!("joint_names:\n- {}\npoints:\n- {first}\n- {last}\n", names.join("\n- "));
+    for (text, extension) in [(message, "json"), (block, "yaml")] {
+        let path = path.with_extension(extension);
+        read(&text, &words, 3000, |changed| {
+            let trajectory = Trajectory::parse_timed(changed, &path, robot.coordinates(), &[])?;
+            // An error of the numbers is no panic.
+            let _ = trajectory.curves();
+            Ok(())
+        });
     }
-    assert!(read.iter().all(|n| *n > 100), "{read:?}");
 }

@@ -15,56 +15,21 @@ fn parse(text: &str) -> Result<Robot, FileError> {
 }
 
 /// A robot with a mark `@name@` in every place where an element can stand, each in a line of its own.
-const MARKED: &str = r#"<robot name="r" xmlns:x="urn:x" xmlns:xacro="http://www.ros.org/wiki/xacro">
-@robot@
-<link name="a">
-@link@
-<collision>
-@collision@
-<origin xyz="1 2 3">
-@origin@
-</origin><geometry>
-@geometry@
-<box size="1 2 3">
-@box@
-</box></geometry></collision>
-<collision><geometry><sphere radius="1"/></geometry></collision>
-</link>
-@middle@
-<link name="b"/>
-<joint name="j" type="revolute">
-@joint@
-<parent link="a">
-@parent@
-</parent><child link="b"/><origin rpy="0 0 1"/><axis xyz="0 0 1">
-@axis@
-</axis><limit lower="-1" upper="1">
-@limit@
-</limit></joint>
-@end@
-</robot>"#;
+const MARKED: &str = include_str!("urdf/marked.xml");
 
-const PLACES: [&str; 12] = [
-    "robot",
-    "link",
-    "collision",
-    "origin",
-    "geometry",
-    "box",
-    "middle",
-    "joint",
-    "parent",
-    "axis",
-    "limit",
-    "end",
-];
+/// The names of the marks.
+fn places() -> impl Iterator<Item = &'static str> {
+    MARKED
+        .lines()
+        .filter_map(|line| line.strip_prefix('@')?.strip_suffix('@'))
+}
 
 /// Returns the marked robot with an element in one place, and the line of the place.
 fn with(place: &str, element: &str) -> (String, u32) {
     let mark = format!("@{place}@");
     let line = MARKED.lines().position(|line| line == mark).expect(place) as u32 + 1;
-    let mut text = MARKED.replace(&mark, element);
-    for other in PLACES {
+    let mut text = MARKED.trim_end().replace(&mark, element);
+    for other in places() {
         text = text.replace(&format!("@{other}@"), "");
     }
     (text, line)
@@ -89,7 +54,7 @@ fn named(place: &str, element: &str, words: &[&str]) -> FileErrorKind {
 
 #[test]
 fn unknown_elements_are_errors_in_every_place() {
-    for place in PLACES {
+    for place in places() {
         for name in ["colision", "cone", "robot", "Link", "loop_joint", "sdf"] {
             let reason = named(place, &format!("<{name} name=\"n\"/>"), &[name, "unknown element"]);
             assert!(matches!(reason, FileErrorKind::UnknownPart { what: "element", .. }));
@@ -112,7 +77,7 @@ fn unknown_elements_are_errors_in_every_place() {
 
 #[test]
 fn what_xacro_left_is_an_error_in_every_place() {
-    for place in PLACES {
+    for place in places() {
         for name in [
             "xacro:include",
             "xacro:colision",
@@ -175,7 +140,7 @@ fn what_is_passed_over_changes_nothing_whatever_is_in_it() {
             }
         }
     }
-    for place in PLACES {
+    for place in places() {
         for name in ["x:link", "x:collision", "x:box", "x:origin"] {
             let (text, _) = with(
                 place,
@@ -361,7 +326,7 @@ fn what_tinyxml_takes_is_listed() {
             );
         }
     };
-    for place in PLACES {
+    for place in places() {
         for (element, words) in [
             ("<!-- ---- é ' > ---->", &["\"--\" in a comment"][..]),
             ("<!-- a -\n<b c=\"--\"> --->", &["\"--\" in a comment"]),

@@ -18,6 +18,7 @@
 //! | [`cells`], [`arm`] | an arm of meshes in its cell; an arm of hulls in its cell, drawn |
 //! | [`support`], [`forms`] | plain data as bodies and poses of the crate; bodies of every kind |
 //! | [`mod@tally`] | counts that add themselves |
+//! | [`mutants`] | mutants of a file |
 //! | [`mod@rows`] | cases of a test as rows of a text |
 //! | [`driven`] | calls drawn from bytes and seeds, judged by brute force; readers of files |
 //! | [`pairs`] | pairs in the form of this crate and of parry, and their motions |
@@ -61,6 +62,7 @@ pub mod faults;
 pub mod forms;
 pub mod lattice_points;
 pub mod motion;
+pub mod mutants;
 pub mod near_points;
 pub mod nets;
 pub mod pairs;

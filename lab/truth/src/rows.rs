@@ -109,6 +109,8 @@ pub fn numbers<const N: usize>(field: &str) -> [f64; N] {
         .collect();
     match numbers[..] {
         [all] => [all; N],
-        _ => numbers.try_into().unwrap_or_else(|_| panic!("expected {N} numbers: {field}")),
+        _ => numbers
+            .try_into()
+            .unwrap_or_else(|_| panic!("expected {N} numbers: {field}")),
     }
 }
