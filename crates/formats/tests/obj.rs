@@ -4,7 +4,8 @@
 mod support;
 
 use lin_canny_formats::MeshFile;
-use support::{BOX, TRIANGLES, bounds, parse, read_mutants, volume};
+use support::rows::rows;
+use support::{BOX, TRIANGLES, VOLUME, bounds, encodings, parse, read_mutants, volume};
 
 fn vertices() -> String {
     BOX.iter().map(|p| format!("v {} {} {}\n", p[0], p[1], p[2])).collect()
@@ -16,8 +17,6 @@ fn faces() -> String {
         .map(|t| format!("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1))
         .collect()
 }
-
-const VOLUME: f64 = 0.2 * 0.4 * 0.6;
 
 fn is_box(text: &str) {
     let file = parse(text, "a.obj").unwrap_or_else(|e| panic!("{e}: {text}"));
@@ -148,23 +147,13 @@ fn notches_stay_open() {
     }
 }
 
-/// Returns a text with each line end, in UTF-8 with and without a mark, UTF-16 and Latin-1.
-fn encodings(text: &str) -> Vec<Vec<u8>> {
-    let ends = ["\n", "\r", "\r\n"].map(|end| text.replace('\n', end));
-    let wide = |bytes: fn(u16) -> [u8; 2]| {
-        let marked = format!("\u{feff}{text}");
-        marked.encode_utf16().flat_map(bytes).collect::<Vec<u8>>()
-    };
-    let mut all = ends.map(String::into_bytes).to_vec();
-    all.push(format!("\u{feff}{text}").into_bytes());
-    all.push([text.as_bytes(), b" # \xfc"].concat());
-    all.extend([wide(u16::to_le_bytes), wide(u16::to_be_bytes)]);
-    all
-}
-
 #[test]
 fn every_encoding_is_read() {
-    for bytes in encodings(&(vertices() + &faces())) {
+    let text = vertices() + &faces();
+    for bytes in encodings(&text)
+        .into_iter()
+        .chain([[text.as_bytes(), b" # \xfc"].concat()])
+    {
         let file = parse(bytes, "a.obj").expect("a box");
         assert!((volume(&file) - VOLUME).abs() < 1e-12);
         assert_eq!(file.whole().1.len(), 12);
@@ -199,41 +188,16 @@ fn faces_of_any_size_are_kept() {
 #[test]
 fn a_fault_anywhere_is_named_with_its_line() {
     let lines: Vec<String> = (vertices() + &faces()).lines().map(Into::into).collect();
-    let faults = [
-        "f 1 2",
-        "f 1",
-        "f 1 1",
-        "f 1 2 0",
-        "f 1 2 99",
-        "f 1 2 -99",
-        "f 1 x 2",
-        "f 1 2 3.5",
-        "f 1/x 2 3",
-        "f 1/1/1/1 2 3",
-        "v 1 2",
-        "v 1 2 nan",
-        "v 1 2 1e400",
-        "v 1 2 3 0.5",
-        "v 1 2 3 nan",
-        "v 1 nan 3 1 0 0",
-        "v 1 2 3 1 0 red",
-        "v 1,5 2 3",
-        "surf 0 1 0 1 1 2 3 4",
-        "bzp 1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8",
-        "bsp 1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8",
-        "cdp 1 2 3 4 5 6 7 8 1 2 3 4 5 6 7 8",
-        "usemtl C:\\\nf 1 2 3",
-        "o a\\\nV 1 2 3",
-        "call other.obj",
-        "vv 1 2 3",
-        "solid",
-    ];
     for at in [0, 5, 8, 13, lines.len()] {
-        for fault in faults {
+        for [fault] in rows(include_str!("obj/rows.txt"), "faults of a line") {
             let mut lines = lines.clone();
-            lines.insert(at, fault.into());
-            for bytes in encodings(&lines.join("\n")) {
-                let error = parse(bytes, "a.obj").expect_err(fault);
+            lines.insert(at, fault.clone());
+            let text = lines.join("\n");
+            for bytes in encodings(&text)
+                .into_iter()
+                .chain([[text.as_bytes(), b" # \xfc"].concat()])
+            {
+                let error = parse(bytes, "a.obj").expect_err(&fault);
                 assert_eq!(error.line, Some(at + 1), "{fault}: {error}");
                 assert!(error.to_string().starts_with("a.obj, line "), "{error}");
             }

@@ -2,7 +2,7 @@
 
 mod support;
 
-use support::{BOX, TRIANGLES, bounds, parse, read_mutants, volume};
+use support::{BOX, TRIANGLES, VOLUME, bounds, parse, read_mutants, volume};
 
 fn facets(shift: f64) -> String {
     let mut text = String::new();
@@ -37,8 +37,6 @@ fn binary(shifts: &[f64], header: &[u8], count: u32) -> Vec<u8> {
     }
     bytes
 }
-
-const VOLUME: f64 = 0.2 * 0.4 * 0.6;
 
 #[test]
 fn all_solids_of_a_text_are_read() {

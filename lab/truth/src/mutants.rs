@@ -98,12 +98,12 @@ fn value(bytes: &[u8], rng: &mut Rng) -> (usize, usize) {
 /// Reads mutants of a file by a function that returns whether a mutant was read.
 ///
 /// # Panics
-/// Panics if at most one of a hundred mutants was read, or all were.
+/// Panics if at most one of 500 mutants was read, or all were.
 pub fn read(good: &[u8], words: &[&str], count: usize, mut is_read: impl FnMut(&[u8]) -> bool) {
     let mut rng = Rng::new(1);
     let read = (0..count).filter(|_| is_read(&mutant(good, words, &mut rng))).count();
     assert!(
-        100 * read > count && read < count,
+        500 * read > count && read < count,
         "{read} of {count} mutants were read"
     );
 }

@@ -1,5 +1,15 @@
-//! Measures of meshes, and mutants of files.
-#![allow(dead_code)] // each test uses a part
+//! Measures of meshes, encodings, and mutants of files.
+//!
+//! `mutants` and `rows` are files of the package `truth`, which is built on this one and on engines
+//! that these tests do not need.
+#![allow(dead_code, unreachable_pub)] // each test uses a part
+
+#[path = "../../../../lab/truth/src/mutants.rs"]
+pub mod mutants;
+#[path = "../../../../tests/support/rng.rs"]
+pub mod rng;
+#[path = "../../../../lab/truth/src/rows.rs"]
+pub mod rows;
 
 use lin_canny_formats::{FormatError, MeshFile};
 
@@ -68,58 +78,36 @@ pub(crate) fn bounds(file: &MeshFile) -> [[f64; 3]; 2] {
     bounds
 }
 
-/// A generator of random numbers.
-pub(crate) struct Random(pub(crate) u64);
+/// The volume and the area of the box.
+pub(crate) const VOLUME: f64 = 0.2 * 0.4 * 0.6;
+pub(crate) const AREA: f64 = 2.0 * (0.2 * 0.4 + 0.2 * 0.6 + 0.4 * 0.6);
 
-impl Random {
-    pub(crate) fn below(&mut self, n: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 33) as usize % n.max(1)
+/// Returns a text with each line end, in UTF-8 with and without a mark, and in UTF-16.
+pub(crate) fn encodings(text: &str) -> Vec<Vec<u8>> {
+    with_ends(text, &["\n", "\r", "\r\n"])
+}
+
+/// Returns a text with each of some line ends, in UTF-8 with and without a mark, and in UTF-16.
+pub(crate) fn with_ends(text: &str, ends: &[&str]) -> Vec<Vec<u8>> {
+    let mut all = Vec::new();
+    for end in ends {
+        let text = text.replace('\n', end);
+        let marked = format!("\u{feff}{text}");
+        all.extend([text.into_bytes(), marked.clone().into_bytes()]);
+        for unit in [u16::to_le_bytes, u16::to_be_bytes] {
+            all.push(marked.encode_utf16().flat_map(unit).collect());
+        }
     }
+    all
 }
 
 /// Reads mutants of a mesh file: each gives a mesh or an error, and no number that is not finite.
 pub(crate) fn read_mutants(good: &[u8], name: &str, count: usize) {
-    mutants(good, count, |bytes| {
+    mutants::read(good, &[], count, |bytes| {
         let Ok(file) = parse(bytes, name) else { return false };
         let (points, triangles) = file.whole();
         assert!(points.iter().flatten().all(|x| x.is_finite()));
         assert!(triangles.iter().flatten().all(|&k| (k as usize) < points.len()));
         true
     });
-}
-
-/// Calls a function for mutants of a file. It returns whether a mutant was read; some must be, and some not.
-pub(crate) fn mutants(good: &[u8], count: usize, mut is_read: impl FnMut(&[u8]) -> bool) {
-    let mut rng = Random(88_172_645_463_325_252);
-    let mut read = 0;
-    for _ in 0..count {
-        let mut bytes = good.to_vec();
-        for _ in 0..=rng.below(3) {
-            let (at, length) = (rng.below(bytes.len()), 1 + rng.below(12));
-            let end = (at + length).min(bytes.len());
-            match rng.below(6) {
-                0 => bytes[at] ^= 1 << rng.below(8),
-                1 => drop(bytes.drain(at..end)),
-                2 => bytes.truncate(at),
-                3 => {
-                    let copy = bytes[at..end].to_vec();
-                    let to = rng.below(bytes.len());
-                    drop(bytes.splice(to..to, copy));
-                }
-                4 => {
-                    let words: [&[u8]; 8] = [b"nan", b"1e400", b"-1", b"4294967295", b"0", b" ", b"\n", b"9e99"];
-                    drop(bytes.splice(at..end, words[rng.below(8)].to_vec()));
-                }
-                _ => bytes[at] = rng.below(256) as u8,
-            }
-            if bytes.is_empty() {
-                break;
-            }
-        }
-        read += usize::from(is_read(&bytes));
-    }
-    assert!(read > 0 && read < count, "{read} of {count} mutants were read");
 }
