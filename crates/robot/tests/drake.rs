@@ -7,6 +7,11 @@ use lin_canny::Geometry;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_robot::{FileError, FileErrorKind, LoadOptions, MeshUse, Packages, Robot};
 
+/// The rows of a section of the cases.
+fn cases<const N: usize>(section: &str) -> Vec<[String; N]> {
+    truth::rows::rows(include_str!("drake/rows.txt"), section)
+}
+
 /// Links `a` to `e`, each but `e` with two balls, on joints to `a`, with elements below `robot`
 /// each in a line of its own from line 2 on.
 fn read(elements: &[&str]) -> Result<Robot, FileError> {
@@ -100,57 +105,7 @@ fn groups_exclude_pairs_of_links() {
 
 #[test]
 fn faults_of_groups_are_errors_with_their_line() {
-    for (element, words) in [
-        (
-            group("g", "<drake:member link='bb'/>"),
-            "link \"bb\" does not exist; did you mean \"b\"?",
-        ),
-        (
-            group("g", "<drake:member_group name='bd'/>"),
-            "group \"bd\" does not exist; did you mean \"bc\"?",
-        ),
-        (
-            group("g", "<drake:ignored_collision_filter_group name='x'/>"),
-            "collision_filter_group \"g\" ignored_collision_filter_group \"x\": group \"x\" does not exist",
-        ),
-        (
-            group("g", "<drake:member name='b'/>"),
-            "unknown attribute: \"name\" (expected link)",
-        ),
-        (group("g", "<drake:member/>"), "attribute link is missing"),
-        (group("g", "<drake:membr link='b'/>"), "did you mean \"drake:member\"?"),
-        (group("g", "<member link='b'/>"), "unknown element: \"member\""),
-        (group("g", "").replace("name='g'", ""), "attribute name is missing"),
-        (
-            group("g", "").replace("name='g'", "name='g' ignore='yes'"),
-            "invalid ignore: \"yes\" (expected true or false)",
-        ),
-        (
-            "<drake:colision_filter_group/>".into(),
-            "did you mean \"drake:collision_filter_group\"?",
-        ),
-        ("<drake:capsule/>".into(), "unknown element: \"drake:capsule\""),
-        (
-            "<drake:joint name='x' type='ball'/>".into(),
-            "joint \"x\": drake:joint is not supported",
-        ),
-        (
-            "<drake:joint name='x' type='planar'/>".into(),
-            "drake:joint is not supported",
-        ),
-        (
-            "<drake:joint name='x' type='universal'/>".into(),
-            "drake:joint is not supported",
-        ),
-        (
-            "<drake:ball_constraint/>".into(),
-            "drake:ball_constraint is not supported",
-        ),
-        (
-            "<drake:tendon_constraint/>".into(),
-            "drake:tendon_constraint is not supported",
-        ),
-    ] {
+    for [element, words] in cases("faults of groups") {
         for place in 0..3 {
             let mut elements = vec![
                 BC.lines().next().unwrap_or_default(),
@@ -160,7 +115,7 @@ fn faults_of_groups_are_errors_with_their_line() {
             elements.insert([0, 2, 3][place], &element);
             let error = read(&elements).expect_err(&element);
             assert_eq!(error.line, Some([2, 4, 5][place]), "{error}");
-            assert!(error.to_string().contains(words), "{error} does not say {words}");
+            assert!(error.to_string().contains(&words), "{error} does not say {words}");
         }
     }
     let error = read(&[D, BC, D]).expect_err("two groups d");
@@ -222,41 +177,14 @@ fn shapes_of_drake_are_bodies() {
             assert_eq!(found, format!("{:?}", Geometry::from(expected.expect("a body"))));
         }
     }
-    for (shape, words) in [
-        ("<drake:capsule radius='1'/>", "attribute length is missing"),
-        (
-            "<drake:capsule radius='-1' length='1'/>",
-            "radius is out of range: -1.0",
-        ),
-        (
-            "<drake:capsule><radius>1</radius></drake:capsule>",
-            "unknown element: \"radius\"",
-        ),
-        ("<drake:ellipsoid a='1' b='2'/>", "attribute c is missing"),
-        ("<drake:ellipsoid a='1' b='2' c='-1'/>", "radii is out of range: -1.0"),
-        ("<drake:ellipsoid a='1' b='2' c='0'/>", "ellipsoid"),
-        ("<drake:ellipsoid a='1' b='2' c='x'/>", "invalid c: \"x\""),
-        (
-            "<drake:elipsoid a='1' b='2' c='1'/>",
-            "did you mean \"drake:ellipsoid\"?",
-        ),
-        ("<ellipsoid a='1' b='2' c='1'/>", "unknown element: \"ellipsoid\""),
-        (
-            "<drake:ellipsoid a='1' b='1' c='1'/><sphere radius='1'/>",
-            "sphere: element is given twice",
-        ),
-        (
-            "<sphere radius='1'/><drake:ellipsoid a='1' b='1' c='1'/>",
-            "ellipsoid: element is given twice",
-        ),
-    ] {
+    for [shape, words] in cases("faults of shapes") {
         for text in [
-            collision(shape) + &sphere + &sphere,
-            sphere.clone() + &collision(shape) + &sphere,
-            sphere.clone() + &sphere + &collision(shape),
+            collision(&shape) + &sphere + &sphere,
+            sphere.clone() + &collision(&shape) + &sphere,
+            sphere.clone() + &sphere + &collision(&shape),
         ] {
-            let error = with(&text, "", &plain).expect_err(shape).to_string();
-            assert!(error.contains(words), "{error} does not say {words}");
+            let error = with(&text, "", &plain).expect_err(&shape).to_string();
+            assert!(error.contains(&words), "{error} does not say {words}");
         }
     }
 }

@@ -2,6 +2,11 @@
 
 use lin_canny_robot::{FileError, FileErrorKind, LoadOptions, MotionKind, Packages, Robot, Srdf};
 
+/// The rows of a section of the cases.
+fn cases<const N: usize>(section: &str) -> Vec<[String; N]> {
+    truth::rows::rows(include_str!("groups/rows.txt"), section)
+}
+
 /// A tree: base - torso - left arm - left hand, and torso - right arm - right hand - right thumb,
 /// where the thumb mimics the hand. A cart floats, a puck slides, a flag is fixed.
 fn robot() -> Robot {
@@ -78,36 +83,12 @@ fn group(srdf: &Srdf, name: &str) -> (String, String) {
 
 #[test]
 fn groups_have_the_links_and_joints_of_their_elements() {
-    for (inside, links, joints) in [
-        ("", "", ""),
-        ("<link name='left arm'/>", "left arm", "j left arm"),
-        ("<link name='base'/>", "base", ""),
-        ("<joint name='j left arm'/>", "left arm", "j left arm"),
-        ("<joint name=' j flag\n'/>", "flag", "j flag"),
-        ("<joint name='ground'/>", "", ""),
-        (
-            "<chain base_link='torso' tip_link='left hand'/>",
-            "torso, left arm, left hand",
-            "j left arm, j left hand",
-        ),
-        (
-            "<chain base_link='base' tip_link='right arm'/>",
-            "base, torso, right arm",
-            "j torso, j right arm",
-        ),
-        ("<chain base_link='torso' tip_link='torso'/>", "torso", ""),
-        ("<chain base_link='base' tip_link='base'/>", "base", ""),
-        (
-            "<joint name='j thumb'/><link name='left hand'/><joint name='j left hand'/><x:y xmlns:x='urn:x'/>",
-            "left hand, thumb",
-            "j left hand, j thumb",
-        ),
-    ] {
+    for [inside, links, joints] in cases("groups") {
         for (found, _) in in_places(&format!("<group name='g'>{inside}</group>")) {
-            let srdf = found.expect(inside);
+            let srdf = found.expect(&inside);
             assert!(srdf.skipped.is_empty(), "{:?}", srdf.skipped);
             // Links and joints are in the order of the robot: breadth first.
-            assert_eq!(group(&srdf, "g"), (links.into(), joints.into()), "{inside}");
+            assert_eq!(group(&srdf, "g"), (links.clone(), joints.clone()), "{inside}");
             assert_eq!(group(&srdf, "left").0, "torso, left arm, left hand");
         }
     }
@@ -168,46 +149,12 @@ fn cycles_of_groups_are_errors_that_name_the_cycle() {
 
 #[test]
 fn names_that_do_not_exist_are_skipped_with_their_line() {
-    let unknown = [
-        (
-            "<link name='left am'/>",
-            "group \"g\" link \"left am\": link \"left am\" does not exist; did you mean \"left arm\"?",
-        ),
-        (
-            "<joint name='j flga'/>",
-            "joint \"j flga\" does not exist; did you mean \"j flag\"?",
-        ),
-        (
-            "<group name='lefd'/>",
-            "group \"lefd\" does not exist; did you mean \"left\"?",
-        ),
-        (
-            "<chain base_link='tors' tip_link='left hand'/>",
-            "link \"tors\" does not exist; did you mean \"torso\"?",
-        ),
-        (
-            "<chain base_link='torso' tip_link='hand'/>",
-            "link \"hand\" does not exist",
-        ),
-        (
-            "<chain base_link='left arm' tip_link='right hand'/>",
-            "chain: base_link \"left arm\" is not an ancestor of tip_link: \"right hand\"",
-        ),
-        (
-            "<chain base_link='left hand' tip_link='torso'/>",
-            "is not an ancestor of tip_link",
-        ),
-        (
-            "<chain base_link='torso' tip_link='base'/>",
-            "is not an ancestor of tip_link",
-        ),
-    ];
-    for (element, words) in unknown {
+    for [element, words] in cases("names that do not exist") {
         let known = ["<link name='thumb'/>", "<joint name='j cart'/>"];
         for at in 0..3 {
             let mut inside = known.to_vec();
-            inside.insert(at, element);
-            let srdf = skipped(&format!("<group name='g'>{}</group>", inside.concat()), words);
+            inside.insert(at, &element);
+            let srdf = skipped(&format!("<group name='g'>{}</group>", inside.concat()), &words);
             assert_eq!(group(&srdf, "g"), ("cart, thumb".into(), "j cart, j thumb".into()));
         }
     }
@@ -293,21 +240,9 @@ fn states_are_found_by_their_names() {
     ] {
         assert_eq!(srdf.state(name).expect(name).group, group);
     }
-    for (name, words) in [
-        (
-            "home",
-            "ambiguous state: \"home\" (expected a group, such as \"left/home\")",
-        ),
-        (
-            "left/hoem",
-            "state \"left/hoem\" does not exist; did you mean \"left/home\"?",
-        ),
-        ("alnoe", "state \"alnoe\" does not exist; did you mean \"alone\"?"),
-        ("left/up", "state \"left/up\" does not exist"),
-        ("", "state \"\" does not exist"),
-    ] {
+    for [name, words] in cases("faults of names of states") {
         assert!(
-            srdf.state(name).expect_err(name).to_string().starts_with(words),
+            srdf.state(&name).expect_err(&name).to_string().starts_with(&words),
             "{name}"
         );
     }
@@ -344,89 +279,16 @@ fn what_tinyxml_takes_is_listed() {
 
 #[test]
 fn faults_are_errors_with_their_line() {
-    for (element, words) in [
-        (
-            "<group name='g'><cone/></group>",
-            "unknown element: \"cone\" (expected link, joint, chain, group)",
-        ),
-        ("<group name='g'><lnk name='base'/></group>", "did you mean \"link\"?"),
-        ("<group/>", "attribute name is missing"),
-        ("<group name='g'><link/></group>", "attribute name is missing"),
-        ("<group name='g'><joint nam='j'/></group>", "did you mean \"name\"?"),
-        ("<group name='g'><link name='${x}'/></group>", "run xacro"),
-        (
-            "<group name='g'><chain tip_link='base'/></group>",
-            "attribute base_link is missing",
-        ),
-        (
-            "<group name='g'><chain base_link='base'/></group>",
-            "attribute tip_link is missing",
-        ),
-        (
-            "<group name='g'><group name='left'><link name='base'/></group></group>",
-            "unknown element: \"link\"",
-        ),
-        ("<group_state group='left'/>", "attribute name is missing"),
-        (
-            "<group_state name='s' group='left'><link name='base'/></group_state>",
-            "unknown element: \"link\"",
-        ),
-        (
-            "<group_state name='s' group='left'><joint name='j torso'/></group_state>",
-            "attribute value is missing",
-        ),
-        (
-            "<group_state name='s' group='left'><joint value='1'/></group_state>",
-            "attribute name is missing",
-        ),
-        (
-            "<virtual_joint type='fixed' parent_frame='w' child_link='base'/>",
-            "attribute name is missing",
-        ),
-        (
-            "<virtual_joint name='v' parent_frame='w' child_link='base'/>",
-            "attribute type is missing",
-        ),
-        (
-            "<virtual_joint name='v' type='fixed' child_link='base'/>",
-            "attribute parent_frame is missing",
-        ),
-        (
-            "<virtual_joint name='v' type='fixed' parent_frame='w'/>",
-            "attribute child_link is missing",
-        ),
-        (
-            "<virtual_joint name='v' type='revolute' parent_frame='w' child_link='base'/>",
-            "virtual_joint \"v\": invalid type: \"revolute\" (expected fixed, planar or floating)",
-        ),
-    ] {
-        wrong(element, words);
+    for [element, words] in cases("faults") {
+        wrong(&element, &words);
     }
-    for (joint, values, words) in [
-        ("j torso", "", "a finite number"),
-        ("j torso", "1 2", "a finite number"),
-        ("j torso", "x", "invalid value: \"x\" (expected a finite number)"),
-        ("j thumb", "NaN", "a finite number"),
-        ("j puck", "1 2", "3 finite numbers"),
-        ("j puck", "1 2 3 4", "3 finite numbers"),
-        (
-            "j cart",
-            "1 2 3 0 0 0",
-            "invalid value: \"1 2 3 0 0 0\" (expected 7 finite numbers)",
-        ),
-        ("j cart", "1 2 3 0 0 0 1 1", "7 finite numbers"),
-        (
-            "j cart",
-            "1 2 3 0 0 0 0",
-            "length of the quaternion is out of range: 0.0",
-        ),
-    ] {
+    for [joint, values, words] in cases("faults of values") {
         let good = "<joint name='j left arm' value='1'/><joint name='j left hand' value='2'/>";
         let bad = format!("<joint name='{joint}' value='{values}'/>");
         for inside in [format!("{bad}{good}"), format!("{good}{bad}")] {
             wrong(
                 &format!("<group_state name='s' group='left'>{inside}</group_state>"),
-                words,
+                &words,
             );
         }
     }

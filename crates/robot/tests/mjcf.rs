@@ -13,6 +13,11 @@ fn parse(text: &str) -> Result<Robot, lin_canny_robot::FileError> {
     Robot::parse(text, "r.xml", &Packages::default(), &LoadOptions::default())
 }
 
+/// The rows of a section of the cases.
+fn cases<const N: usize>(section: &str) -> Vec<[String; N]> {
+    truth::rows::rows(include_str!("mujoco/rows.txt"), section)
+}
+
 fn pose(numbers: &[f64]) -> Isometry3<f64> {
     let turn = Quaternion::new(numbers[6], numbers[3], numbers[4], numbers[5]);
     let place = Translation3::new(numbers[0], numbers[1], numbers[2]);
@@ -314,84 +319,13 @@ fn with(inside: &str) -> String {
 #[test]
 fn faults_are_named_with_line_and_element() {
     let mut wrong = Vec::new();
-    for (text, line, words) in [
-        (with("<geom sise=\"1\"/>"), 5, "attribute \"sise\" does not exist; did you mean \"size\"?"),
-        (with("<geon size=\"1\"/>"), 5, "element \"geon\" does not exist; did you mean \"geom\"?"),
-        (with("<geom type=\"box\" size=\"1 1\"/>"), 5, "number of the attribute size is missing"),
-        (with("<geom size=\"-1\"/>"), 5, "size is out of range: -1.0"),
-        (with("<geom size=\"nan\"/>"), 5, "invalid size: \"nan\""),
-        (with("<geom size=\"1e999\"/>"), 5, "invalid size"),
-        (with("<geom type=\"sdf\"/>"), 5, "a geom of type \"sdf\" is not supported"),
-        (with("<geom type=\"mesh\" mesh=\"x\"/>"), 5, "mesh \"x\" does not exist"),
-        (with("<geom mesh=\"x\" size=\"1\"/>"), 5, "expected type=\"mesh\""),
-        (with("<geom type=\"hfield\" hfield=\"x\"/>"), 5, "height field \"x\" does not exist"),
-        (with("<geom class=\"x\" size=\"1\"/>"), 5, "class \"x\" does not exist"),
-        (with("<geom size=\"1\" quat=\"0 0 0 0\"/>"), 5, "length of quat is out of range"),
-        (with("<geom size=\"1\" quat=\"1 0 0 0\" euler=\"0 0 0\"/>"), 5, "several orientations"),
-        (with("<geom type=\"capsule\" size=\"1\" fromto=\"0 0 0 0 0 0\"/>"), 5, "length of fromto"),
-        (with("<geom type=\"capsule\" size=\"1\" pos=\"1 0 0\" fromto=\"0 0 0 0 0 1\"/>"), 5, "both pos and fromto"),
-        (with("<geom size=\"1\" contype=\"0.5\"/>"), 5, "invalid contype"),
-        (with("<geom size=\"1\"><plugin/></geom>"), 5, "a geom of a plugin is not supported"),
-        (with("<joint name=\"k\" type=\"ball\"/><joint name=\"l\"/>"), 5, "hinge or ball joint after a ball joint"),
-        (with("<joint name=\"k\" type=\"ball\" range=\"10 20\"/>"), 5, "invalid range of a ball joint: 10 to 20 (expected 0 to an angle)"),
-        (with("<joint name=\"j\"/>"), 5, "name is already in use"),
-        (with("<attach model=\"arm\" prefix=\"p\"/>"), 5, "model \"arm\" does not exist"),
-        (with("<attach body=\"arm\" prefix=\"p\"/>"), 5, "body \"arm\" does not exist"),
-        (with("<attach body=\"b\"/>"), 5, "attribute prefix is missing"),
-        (with("<attach prefix=\"p\"/>"), 5, "names both a body and a frame, or nothing"),
-        (with("<attach body=\"b\" prefix=\"p\"/>"), 3, "nested too deep (expected at most 128)"),
-        (with("<attach body=\"b\" suffix=\"p\"/>"), 5, "attribute \"suffix\" does not exist"),
-        ("<mujoco>\n<asset><model file=\"none.xml\"/></asset></mujoco>".into(), 2, "model file \"none.xml\" is missing"),
-        (with("<joint axis=\"0 0 0\"/>"), 5, "length of the axis"),
-        (with("<joint limited=\"true\" range=\"2 1\"/>"), 5, "invalid range of a limited joint: 2 to 1 (expected"),
-        (with("<joint limited=\"true\" range=\"0 0\"/>"), 5, "invalid range of a limited joint: 0 to 0 (expected"),
-        (with("<joint limited=\"yes\"/>"), 5, "unknown limited: \"yes\" (expected true, false or auto)"),
-        (with("<joint type=\"free\" limited=\"yes\"/>"), 5, "unknown limited: \"yes\""),
-        (with("<body mocap=\"true\"/>"), 5, "mocap body with a joint, or below another body"),
-        (with("<body mocap=\"yes\"/>"), 5, "unknown mocap: \"yes\" (expected true or false)"),
-        ("<mujoco>\n<worldbody><body mocap=\"true\"><joint/></body></worldbody></mujoco>".into(), 2, "mocap body with a joint"),
-        ("<mujoco>\n<option><flag limits=\"disable\"/></option></mujoco>".into(), 2, "did you mean \"limit\"?"),
-        ("<mujoco>\n<option><flag equality=\"off\"/></option></mujoco>".into(), 2, "unknown equality: \"off\" (expected enable or disable)"),
-        ("<mujoco>\n<compiler autolimits=\"false\"/><worldbody><body>\n<joint range=\"0 1\"/></body></worldbody></mujoco>".into(), 3, "attribute limited is missing"),
-        (with("<joint limited=\"true\"/>"), 5, "attribute range is missing"),
-        (with("<freejoint/>"), 5, "free joint"),
-        (with("<body><freejoint/><geom size=\"1\"/></body>"), 5, "free joint"),
-        (with("<body name=\"b\"/>"), 5, "name is already in use"),
-        (with("<body name=\"world\"/>"), 5, "name is already in use"),
-        (with("<body pos=\"1e200 0 0\"/>"), 5, ""),
-        (with("<composite/>"), 5, "the element composite is not supported"),
-        (with("<flexcomp/>"), 5, "the element flexcomp is not supported"),
-        (with("<attach/>"), 5, "attribute prefix is missing"),
-        (with("<replicate count=\"0\"/>"), 5, "invalid count"),
-        (with("<replicate count=\"2\"><joint/></replicate>"), 5, "a copied joint"),
-        (with("<replicate count=\"999999999\"><body/></replicate>"), 5, "too many elements"),
-        (with("<replicate count=\"999999999\"></replicate>"), 5, "too many elements"),
-        (with("<include file=\"gone.xml\"/>"), 5, "included file \"gone.xml\" is missing"),
-        ("<mujoco>\n<compiler coordinate=\"global\"/></mujoco>".into(), 2, "coordinate=\"global\" is not supported"),
-        ("<mujoco>\n<compiler eulerseq=\"xyw\"/></mujoco>".into(), 2, "three letters of xyzXYZ"),
-        ("<mujoco>\n<compiler angle=\"grad\"/></mujoco>".into(), 2, "radian or degree"),
-        ("<mujoco>\n<wordbody/></mujoco>".into(), 2, "did you mean \"worldbody\"?"),
-        ("<mujoco>\n<deformable><flex/></deformable></mujoco>".into(), 2, "a flexible body"),
-        ("<mujoco>\n<asset><model/></asset></mujoco>".into(), 2, ""),
-        ("<mujoco>\n<default><default class=\"x\"/>\n<default class=\"x\"/></default></mujoco>".into(), 3, "already in use"),
-        ("<mujoco>\n<worldbody><joint/></worldbody></mujoco>".into(), 2, "joint of the world"),
-        ("<mujoco>\n<contact><exclude body1=\"a\" body2=\"b\"/></contact></mujoco>".into(), 2, "body \"a\" does not exist"),
-        ("<mujoco>\n<contact><pair geom1=\"a\" geom2=\"b\"/></contact></mujoco>".into(), 2, "geom \"a\" does not exist"),
-        ("<mujoco>\n<equality><joint joint1=\"a\"/></equality></mujoco>".into(), 2, "joint \"a\" does not exist"),
-        ("<mujoco>\n<asset><mesh name=\"m\"/></asset><worldbody><geom type=\"mesh\" mesh=\"m\"/></worldbody></mujoco>".into(), 2, "file or vertex is missing"),
-        ("<mujoco>\n<asset><mesh name=\"m\" vertex=\"0 0\"/></asset><worldbody><geom type=\"mesh\" mesh=\"m\"/></worldbody></mujoco>".into(), 2, "not triples"),
-        ("<mujoco>\n<asset><mesh name=\"m\" vertex=\"0 0 0\" face=\"0 0 1\"/></asset><worldbody><geom type=\"mesh\" mesh=\"m\"/></worldbody></mujoco>".into(), 2, "vertex of face is out of range"),
-        ("<mujoco>\n<asset><hfield name=\"h\" nrow=\"2\" ncol=\"2\" size=\"1 1 1 1\" elevation=\"0 0 0\"/></asset><worldbody><geom type=\"hfield\" hfield=\"h\"/></worldbody></mujoco>".into(), 2, "3 heights (expected 4)"),
-        ("<mujoco>\n<asset><hfield name=\"h\" nrow=\"999999999\" ncol=\"2\" size=\"1 1 1 1\" elevation=\"0\"/></asset><worldbody><geom type=\"hfield\" hfield=\"h\"/></worldbody></mujoco>".into(), 2, "too many heights of height fields: 1999999998 (expected at most 100000)"),
-        ("<mujoco>\n<default><equality activ=\"true\"/></default></mujoco>".into(), 2, "did you mean \"active\"?"),
-        (with("<replicate count=\"5000\"><geom size=\"1\"/></replicate>"), 5, "too many colliding bodies: 5001 (expected at most 5000)"),
-        (with("<replicate count=\"2\"><replicate count=\"5000\"><site/></replicate></replicate>"), 5, "expected at most 20000"),
-        (with(&format!("<body name=\"{}\"/>", "n".repeat(300))), 5, "\"nnnnnnnnnnnnnnnnnnnn\" with 300 bytes (expected at most 256)"),
-    ] {
+    let inside = cases("faults below a body").into_iter();
+    let inside = inside.map(|[element, line, words]| [with(&element), line, words]);
+    for [text, line, words] in inside.chain(cases("faults of a file")) {
         match parse(&text) {
             Ok(_) => wrong.push(format!("no error: {text}")),
             Err(error) => {
-                let is_right = error.to_string().contains(words) && error.line == Some(line);
+                let is_right = error.to_string().contains(&words) && error.line == line.parse().ok();
                 if !is_right || error.reason.to_string().len() > 160 {
                     wrong.push(format!("{error} (expected {words:?} at line {line})"));
                 }
@@ -444,27 +378,9 @@ fn hinge(attributes: &str, before: &str) -> Robot {
 fn a_range_limits_a_joint_where_it_does_in_mujoco() {
     let open = LoadOptions::default().continuous_limits;
     let one = [0.0, 10.0 * (std::f64::consts::PI / 180.0)];
-    let disabled = "<option><flag limit='disable'/></option>";
-    for (attributes, before, limits) in [
-        ("range='0 10'", "", one),
-        ("range='0 0'", "", open),
-        ("range='1 -1'", "", open),
-        ("range='10 10'", "", open),
-        ("range='0 10' limited='false'", "", open),
-        ("range='0 0'", "<default><joint range='0 10'/></default>", open),
-        ("", "<default><joint range='0 10'/></default>", one),
-        ("range='0 0'", "<compiler autolimits='false'/>", open),
-        ("range='0 10' limited='true'", "<compiler autolimits='false'/>", one),
-        ("range='0 10' limited='true'", disabled, open),
-        ("range='0 10'", "<option><flag constraint='disable'/></option>", open),
-        // The last value counts.
-        (
-            "range='0 10'",
-            &format!("{disabled}<option><flag limit='enable'/></option>"),
-            one,
-        ),
-    ] {
-        let found = hinge(attributes, before).coordinates()[0].limits;
+    for [attributes, before, limits] in cases("limits of a hinge") {
+        let limits = if limits == "one" { one } else { open };
+        let found = hinge(&attributes, &before).coordinates()[0].limits;
         assert_eq!(found, limits, "{attributes} {before}");
     }
 }

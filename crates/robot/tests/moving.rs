@@ -10,6 +10,11 @@ use lin_canny_robot::{
 };
 use truth::rng::Rng;
 
+/// The rows of a section of the cases.
+fn cases<const N: usize>(section: &str) -> Vec<[String; N]> {
+    truth::rows::rows(include_str!("moving/rows.txt"), section)
+}
+
 fn examples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")
 }
@@ -65,76 +70,15 @@ fn poses_are_read_from_a_file() {
 
 #[test]
 fn errors_of_poses_name_file_line_and_column() {
-    let head = "time,x,y,z,qx,qy,qz,qw\n";
-    let one = "0,0,0,0,0,0,0,1\n";
-    let cases = [
-        (String::new(), "poses.csv:1: the file is empty"),
-        ("time,x,y,z,qx,qy,qz\n".into(), "poses.csv:1: column \"qw\" is missing"),
-        (
-            "time,x,y,z,qx,qy,qz,w\n".into(),
-            "poses.csv:1: column \"w\": unknown column: \"w\" (expected time, x, y, z, qx, qy, qz, qw)",
-        ),
-        (
-            "time,x,y,z,qx,qy,qz,qw,x\n".into(),
-            "poses.csv:1: column \"x\": name is already in use",
-        ),
-        (head.into(), "poses.csv: too few poses: 0 (expected at least 2)"),
-        (
-            head.to_owned() + one,
-            "poses.csv: too few poses: 1 (expected at least 2)",
-        ),
-        (
-            head.to_owned() + one + "1,0,0,0,0,0,0\n",
-            "poses.csv:3: wrong number of fields: 7 (expected 8)",
-        ),
-        (
-            head.to_owned() + one + "\n1,0,up,0,0,0,0,1\n",
-            "poses.csv:4: column \"y\": invalid y: \"up\" (expected a finite number)",
-        ),
-        (
-            head.to_owned() + one + "1,0,0,inf,0,0,0,1\n",
-            "poses.csv:3: column \"z\": invalid z: \"inf\" (expected a finite number)",
-        ),
-        (
-            head.to_owned() + one + one,
-            "poses.csv:3: column \"time\": time 0 is not greater than the time of the previous row",
-        ),
-        (
-            head.to_owned() + one + "1,0,0,0,0,0,0,0\n",
-            "poses.csv:3: length of the quaternion is out of range: 0.0",
-        ),
-        (head.to_owned() + one + "1,1e300,0,0,0,0,0,1\n", "poses.csv:3: "),
-    ];
-    for (text, expected) in cases {
+    for [text, expected] in cases("faults of files of poses") {
         scratch("poses.csv", &text);
         let error = with_poses(r#""poses": {"file": "poses.csv"}"#).expect_err("an error");
         let error = error.to_string();
-        assert!(error.contains(expected), "{text:?}: {error} (expected {expected})");
+        assert!(error.contains(&expected), "{text:?}: {error} (expected {expected})");
     }
-    let row = "[0, 0, 0, 0, 0, 0, 0, 1]";
-    for (poses, expected) in [
-        (r#""poses": {"file": "none.csv"}"#.into(), "none.csv is missing"),
-        (
-            format!(r#""xyz": [0, 0, 0], "poses": {{"rows": [{row}, {row}]}}"#),
-            "bodies[0] \"cart\": both poses and xyz, rpy or xyzw are given (expected one)",
-        ),
-        (
-            format!(r#""poses": {{"rows": [{row}, {row}]}}"#),
-            "bodies[0] \"cart\": row 1 of poses: time 0 is not greater",
-        ),
-        (
-            format!(r#""poses": {{"rows": [{row}, [1, 0, 0, 0, 0, 0, 0, 0]]}}"#),
-            "bodies[0] \"cart\": row 1 of poses: length of the quaternion",
-        ),
-        (
-            format!(r#""poses": {{"rows": [{row}]}}"#),
-            "bodies[0] \"cart\": too few poses: 1",
-        ),
-        (r#""poses": {"rows": [[0, 0]]}"#.into(), "invalid length 2"),
-        (r#""poses": {"files": "poses.csv"}"#.into(), "unknown variant"),
-    ] {
+    for [poses, expected] in cases("faults of poses") {
         let error = with_poses(&poses).expect_err("an error").to_string();
-        assert!(error.contains(expected), "{poses}: {error}");
+        assert!(error.contains(&expected), "{poses}: {error}");
     }
     let attached = r#"{"bodies": [], "attached": [{"link": "hand", "body": {"name": "part", "sphere": {"radius": 1},
         "poses": {"file": "poses.csv"}}}]}"#;

@@ -129,73 +129,9 @@ fn voxels_half_spaces_and_heights_are_where_the_file_says() {
 fn wrong_bodies_are_named() {
     write("bad.txt", "0 0\n0 x\n");
     std::fs::write(folder().join("bad.npy"), npy("(2, 1, 2)", &[0.0; 4])).expect("a file");
-    for (text, expected) in [
-        (r#""cloud": {"radius": 1}"#, "file or points is missing"),
-        (r#""cloud": {"points": [[0, 0, 0]]}"#, "radius or box is missing"),
-        (
-            r#""cloud": {"file": "a.xyz", "points": [[0, 0, 0]], "radius": 1}"#,
-            "both file and points",
-        ),
-        (
-            r#""cloud": {"points": [[0, 0, 0]], "radius": 1, "box": {"size": [1, 1, 1]}}"#,
-            "both radius and box",
-        ),
-        (
-            r#""cloud": {"points": [], "radius": 1}"#,
-            "number of points is out of range: 0",
-        ),
-        (
-            r#""cloud": {"points": [[0, 0, 0]], "radius": -1}"#,
-            "radius of point 0 is out of range",
-        ),
-        (
-            r#""cloud": {"points": [[0, 0, 0]], "radius": 1, "scale": 0}"#,
-            "scale is out of range",
-        ),
-        (r#""cloud": {"file": "none.xyz", "radius": 1}"#, "none.xyz"),
-        (
-            r#""voxels": {"indices": [[0, 0, 0], [0, 0.5, 0]], "size": 1}"#,
-            "index 1 of voxels is 0.5",
-        ),
-        (
-            r#""voxels": {"indices": [[0, 0, -1]], "size": 1}"#,
-            "index 0 of voxels is -1",
-        ),
-        (r#""voxels": {"indices": [[0, 0, 0]], "size": 0}"#, "0"),
-        (r#""half_space": {"normal": [0, 0, 0]}"#, "no direction"),
-        (
-            r#""heights": {"values": [[0, 0], [0]], "spacing": [1, 1]}"#,
-            "row 1 of heights has 1 numbers (expected 2)",
-        ),
-        (
-            r#""heights": {"values": [[0, 0], [0, 0]], "spacing": [1, 0]}"#,
-            "spacing of the heights along axis 1",
-        ),
-        (
-            r#""heights": {"values": [[0, 0], [0, 0]], "spacing": [1, 1], "base": 0}"#,
-            "height 0 is 0",
-        ),
-        (
-            r#""heights": {"file": "bad.txt", "spacing": [1, 1]}"#,
-            "bad.txt, line 2: number [1][1] is \"x\"",
-        ),
-        (
-            r#""heights": {"file": "bad.npy", "spacing": [1, 1]}"#,
-            "bad.npy: an array of shape \"2 x 1 x 2\" (expected two axes: rows and columns)",
-        ),
-        (r#""heights": {"values": [], "spacing": [1, 1]}"#, "0 heights"),
-        (
-            r#""sphere": {"radius": 1}, "half_space": {"normal": [0, 0, 1]}"#,
-            "several shapes",
-        ),
-        (
-            r#""sphere": {"radius": 1}, "touch_links": ["hand"]"#,
-            "touch_links of an obstacle",
-        ),
-        (r#""xyz": [0, 0, 0]"#, "box, cylinder"),
-    ] {
-        let error = cell(text).expect_err(text);
-        assert!(error.contains(expected), "{text}: {error}");
+    for [text, expected] in truth::rows::rows(include_str!("scene/rows.txt"), "wrong bodies") {
+        let error = cell(&text).expect_err(&text);
+        assert!(error.contains(&expected), "{text}: {error}");
         assert!(error.len() < 300, "{text}: {error}");
     }
 }

@@ -6,6 +6,11 @@ use lin_canny_plan::{Cell, Checker, JointMotion};
 use lin_canny_robot::plan::{SmoothOptions, Smoother};
 use lin_canny_robot::{CellFile, FileError, LoadOptions, Packages, Robot, Trajectory};
 
+/// The rows of a section of the cases.
+fn cases<const N: usize>(section: &str) -> Vec<[String; N]> {
+    truth::rows::rows(include_str!("trajectory/rows.txt"), section)
+}
+
 fn robot() -> Robot {
     let joint = |name: &str, parent: &str| {
         let ends = format!("<parent link=\"{parent}\"/><child link=\"{name}\"/>");
@@ -216,102 +221,9 @@ fn the_degree_is_that_of_the_controller() {
 
 #[test]
 fn timed_trajectories_that_are_wrong_name_the_place() {
-    let point = r#"{"positions": [0, 0], "time_from_start": 1}"#;
-    let names = r#""joint_names": ["s", "t"]"#;
-    let cases = [
-        ("s,t\n0,0\n", "q.csv", "q.csv:1: column \"time\" is missing"),
-        (
-            "time,s,t,s.velocity\n0,0,0,0\n",
-            "q.csv",
-            "column \"t.velocity\" is missing",
-        ),
-        (
-            "time,s,t,s.acceleration,t.acceleration\n0,0,0,0,0\n",
-            "q.csv",
-            "column \"s.velocity\" is missing",
-        ),
-        (
-            "time,s,t,u.velocity\n0,0,0,0\n",
-            "q.csv",
-            "coordinate \"u.velocity\" does not exist",
-        ),
-        (
-            "time,s,t\n0,0,0\n0,1,1\n",
-            "q.csv",
-            "q.csv:3: column \"time\": time 0 is not greater",
-        ),
-        (
-            "time,s,t,s.velocity,t.velocity\n0,0,0,inf,0\n",
-            "q.csv",
-            "column \"s.velocity\": invalid s.velocity",
-        ),
-        ("time,s,t\n", "q.csv", "a row is missing"),
-        ("time,s,t\n", "q.txt", "extension of a trajectory is unknown"),
-        ("{", "q.json", "q.json:1: EOF"),
-        ("[]", "q.json", "joint_names is missing"),
-        (&format!("{{{names}, \"points\": []}}"), "q.json", "a point is missing"),
-        (&format!("{{{names}}}"), "q.json", "points is missing"),
-        (
-            &format!("{{\"joint_names\": [\"s\", \"x\"], \"points\": [{point}]}}"),
-            "q.json",
-            "joint \"x\": coordinate \"x\" does not exist",
-        ),
-        (
-            &format!("{{\"joint_names\": [\"s\"], \"points\": [{point}]}}"),
-            "q.json",
-            "joint \"t\" is missing",
-        ),
-        (
-            &format!("{{\"joint_names\": [\"s\", \"s\"], \"points\": [{point}]}}"),
-            "q.json",
-            "joint \"s\": name is already in use",
-        ),
-        (
-            &format!("{{{names}, \"points\": [{point}, {point}]}}"),
-            "q.json",
-            "point 2: time 1 is not greater",
-        ),
-        (
-            &format!("{{{names}, \"points\": [{{\"positions\": [0]}}]}}"),
-            "q.json",
-            "point 1: time_from_start is missing",
-        ),
-        (
-            &format!("{{{names}, \"points\": [{{\"positions\": [0], \"time_from_start\": 0}}]}}"),
-            "q.json",
-            "point 1: wrong number of positions: 1 (expected 2)",
-        ),
-        (
-            &format!("{{{names}, \"points\": [{{\"positions\": [0, 1e99], \"time_from_start\": 0}}]}}"),
-            "q.json",
-            "point 1: t (limits",
-        ),
-        (
-            &format!("{{{names}, \"points\": [{{\"positions\": [0, 1], \"jerk\": [], \"time_from_start\": 0}}]}}"),
-            "q.json",
-            "unknown field: \"jerk\"",
-        ),
-        ("joint_names: &a [s]\n", "q.yaml", "q.yaml:1: anchors"),
-        (
-            "joint_names: *a\n",
-            "q.yaml",
-            "q.yaml:1: while parsing node, found unknown anchor",
-        ),
-        ("joint_names:\n- s\n t: 1\n", "q.yaml", "q.yaml:3: "),
-        ("joint_names:\n- s\n- [\n", "q.yaml", "q.yaml:4: "),
-        (
-            "joint_names: [s, t\n",
-            "q.yaml",
-            "q.yaml:2: while parsing a flow sequence, expected ',' or ']'",
-        ),
-        ("a: 1\n---\nb: 1\n", "q.yaml", "q.yaml:2: several documents"),
-        ("a: 1\na: 2\n", "q.yaml", "q.yaml:2: key \"a\" is given twice"),
-        ("? [a]\n: 1\n", "q.yaml", "q.yaml:1: complex keys"),
-        ("", "q.yaml", "no value"),
-    ];
-    for (text, file, expected) in cases {
-        let error = timed(text, file).expect_err("an error").to_string();
-        assert!(error.contains(expected), "{text:?}: {error}");
+    for [text, file, expected] in cases("faults of timed trajectories") {
+        let error = timed(&text, &file).expect_err("an error").to_string();
+        assert!(error.contains(&expected), "{text:?}: {error}");
     }
     // Deep nesting ends.
     for text in ["[".repeat(100_000), "- ".repeat(100_000), "{a: ".repeat(10_000)] {

@@ -14,6 +14,11 @@ fn parse(text: &str) -> Result<Robot, FileError> {
     Robot::parse(text, "r.urdf", &Packages::default(), &LoadOptions::default())
 }
 
+/// The rows of a section of the cases.
+fn cases<const N: usize>(section: &str) -> Vec<[String; N]> {
+    truth::rows::rows(include_str!("urdf/rows.txt"), section)
+}
+
 /// A robot with a mark `@name@` in every place where an element can stand, each in a line of its own.
 const MARKED: &str = include_str!("urdf/marked.xml");
 
@@ -174,19 +179,9 @@ fn what_is_passed_over_changes_nothing_whatever_is_in_it() {
 
 #[test]
 fn elements_given_twice_are_errors() {
-    for (place, element) in [
-        ("collision", "<geometry><sphere radius=\"1\"/></geometry>"),
-        ("collision", "<origin/>"),
-        ("geometry", "<sphere radius=\"1\"/>"),
-        ("geometry", "<box size=\"1 2 3\"/>"),
-        ("joint", "<origin/>"),
-        ("joint", "<axis xyz=\"0 0 1\"/>"),
-        ("joint", "<parent link=\"a\"/>"),
-        ("joint", "<child link=\"b\"/>"),
-        ("joint", "<limit/>"),
-    ] {
-        let (text, line) = with(place, element);
-        let error = parse(&text).expect_err(element);
+    for [place, element] in cases("elements given twice") {
+        let (text, line) = with(&place, &element);
+        let error = parse(&text).expect_err(&element);
         assert!(matches!(error.reason, FileErrorKind::Twice(_)), "{error}");
         assert!(error.line > Some(line), "{error}");
     }
@@ -205,43 +200,11 @@ fn elements_given_twice_are_errors() {
 #[test]
 fn missing_parts_and_misspelt_attributes_are_named() {
     let plain = with("robot", "").0;
-    for (from, to, line, words) in [
-        ("<box size", "<box sise", "<box", "did you mean \"size\"?"),
-        (
-            "xyz=\"1 2 3\"",
-            "xyzz=\"1 2 3\"",
-            "<origin xyz",
-            "did you mean \"xyz\"?",
-        ),
-        ("rpy=", "rot=", "<axis", "unknown attribute: \"rot\""),
-        ("<axis xyz", "<axis zyx", "<axis", "axis"),
-        ("lower=", "lowr=", "<limit", "did you mean \"lower\"?"),
-        ("upper=", "UPPER=", "<limit", "did you mean \"upper\"?"),
-        ("radius=", "radios=", "<sphere", "did you mean \"radius\"?"),
-        ("parent link", "parent name", "<parent", "unknown attribute: \"name\""),
-        ("name=\"a\"", "", "<link name=\"a", "attribute name is missing"),
-        ("name=\"j\"", "", "<joint", "attribute name is missing"),
-        ("type=\"revolute\"", "", "<joint", "attribute type is missing"),
-        ("<sphere radius=\"1\"/>", "", "<sphere", "a shape is missing"),
-        (
-            "<geometry><sphere radius=\"1\"/></geometry>",
-            "",
-            "<sphere",
-            "element geometry is missing",
-        ),
-        ("<child link=\"b\"/>", "", "<joint", "element child is missing"),
-        ("child link=\"b\"", "child link=\"bb\"", "<axis", "did you mean \"b\"?"),
-        (
-            "link name=\"b\"",
-            "link name=\"c\"",
-            "<axis",
-            "link \"b\" does not exist",
-        ),
-    ] {
-        assert!(plain.contains(from), "{from}");
-        let error = parse(&plain.replacen(from, to, 1)).expect_err(to);
-        assert!(error.to_string().contains(words), "{error}");
-        let line = plain.lines().position(|text| text.contains(line)).expect(line) as u32 + 1;
+    for [from, to, line, words] in cases("misspelt parts") {
+        assert!(plain.contains(&from), "{from}");
+        let error = parse(&plain.replacen(&from, &to, 1)).expect_err(&to);
+        assert!(error.to_string().contains(&words), "{error}");
+        let line = plain.lines().position(|text| text.contains(&line)).expect(&line) as u32 + 1;
         assert_eq!(error.line, Some(line), "{error}");
     }
     // An origin of a link moves nothing, so it must be the identity.

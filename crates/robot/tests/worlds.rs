@@ -14,6 +14,11 @@ use lin_canny_robot::record::{Cursor, Recording};
 use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, RobotRecorder};
 use truth::rng::Rng;
 
+/// The rows of a section of the cases.
+fn cases<const N: usize>(section: &str) -> Vec<[String; N]> {
+    truth::rows::rows(include_str!("worlds/rows.txt"), section)
+}
+
 /// An arm of three links, of which one has two bodies, and a tool without bodies.
 const ARM: &str = r#"<robot name="arm">
   <link name="base"/>
@@ -295,84 +300,16 @@ fn wrong_worlds_are_named() {
         file.add_to(&mut setup).map_err(|error| error.to_string())?;
         Checker::of_robots(setup.clone()).map_err(|error| error.to_string())
     };
-    for (more, expected) in [
-        (
-            r#""paddings": [["y", 1]]"#,
-            "cell.json: paddings[0]: body \"y\" does not exist",
-        ),
-        (r#""paddings": [[["x", 2], 1]]"#, "body \"x 2\" does not exist"),
-        (
-            r#""paddings": [["x", 1], ["x", -1]]"#,
-            "cell.json: paddings[1]: padding is out of range: -1.0",
-        ),
-        (
-            r#""margins": [["x", "hand", -1]]"#,
-            "cell.json: margins[0]: margin of a pair is out of range: -1.0",
-        ),
-        (
-            r#""margins": [["x", "hnad", 1]]"#,
-            "margins[0]: body \"hnad\" does not exist (nearest: \"hand\")",
-        ),
-        (r#""margin": -1"#, "cell.json: margin: margin is out of range: -1.0"),
-        (
-            r#""exclude": [["x", "hand"], ["x", "y"]]"#,
-            "cell.json: exclude[1]: body \"y\" does not exist",
-        ),
-        (
-            r#""exclude_exactly": [["y", "x"]]"#,
-            "cell.json: exclude_exactly[0]: body \"y\" does not exist",
-        ),
-        (
-            r#""exclude": [["hand", "hand"]]"#,
-            "exclude[0]: \"hand\" has no pair with itself",
-        ),
-        (
-            r#""margins": [["hand", "hand", 1]]"#,
-            "margins[0]: \"hand\" has no pair with itself",
-        ),
-        (
-            r#""exclude": [], "exclude_exactly": []"#,
-            "both exclude and exclude_exactly",
-        ),
-        (
-            r#""attached": [{"link": "arm", "body": {"name": "y", "sphere": {"radius": 1}}}]"#,
-            "cell.json: attached[0] \"y\": body \"arm\" does not exist",
-        ),
-        (
-            r#""attached": [{"link": "hand", "body": {"name": "y"}}]"#,
-            "attached[0] \"y\": box, cylinder",
-        ),
-        (
-            r#""attached": [{"link": "hand", "body": {"name": "y", "half_space": {"normal": [0, 0, 1]}}}]"#,
-            "half-space",
-        ),
-    ] {
-        let error = checker(more).err().unwrap_or_default();
-        assert!(error.contains(expected), "{more}: {error}");
+    for [more, expected] in cases("wrong worlds") {
+        let error = checker(&more).err().unwrap_or_default();
+        assert!(error.contains(&expected), "{more}: {error}");
     }
-    for (shape, expected) in [
-        (r#""geometry": {"Mesh": {}}"#, "missing field"),
-        (r#""geometry": {"Ball": 1}"#, "unknown variant"),
-        (
-            r#""geometry": {"HalfSpace": {"normal": [0, 0, 0], "offset": 0}}"#,
-            "normal",
-        ),
-        (r#""box": {"size": [1, 2, 3, 4]}"#, "list of 4 numbers (expected 3)"),
-        (r#""box": {"size": [1, 2]}"#, "list of 2 numbers (expected 3)"),
-        (
-            r#""sphere": {"radius": 1}, "xyzw": [1, 2, 3, 4, 5]"#,
-            "list of 5 numbers (expected 4)",
-        ),
-        (
-            r#""half_space": {"normal": [1, 2, 3, 4]}"#,
-            "list of 4 numbers (expected 3)",
-        ),
-    ] {
+    for [shape, expected] in cases("wrong shapes") {
         let error = parse(&format!("{{\"bodies\": [{{\"name\": \"x\", {shape}}}]}}"))
             .err()
             .unwrap_or_default();
         assert!(
-            error.starts_with("cell.json:1: ") && error.contains(expected),
+            error.starts_with("cell.json:1: ") && error.contains(&expected),
             "{error}"
         );
     }
