@@ -1056,7 +1056,7 @@ pub(crate) const PLACED_VERTEX: f64 = 256.0 * UNIT_DOUBLE_DOUBLE;
 
 /// Bound of what one term of a volume loses by underflow, in units of the cube of the largest
 /// coordinate, or of one. Coordinates are multiples of `2^-357`, so products of up to three of
-/// their differences lose nothing. A quotient below `2^-969` and its products lose at most `2^-1074`
-/// each, times the cube; there are fewer than `2^10` operations in a term.
+/// their differences lose nothing. A quotient below `2^-969` and its products lose at most
+/// `2^-1074` each, times the cube; there are fewer than `2^10` operations in a term.
 #[cfg(feature = "meshes")]
 pub(crate) const LOST_TERM: f64 = f64::from_bits((1023 - 1000) << 52);

@@ -4,7 +4,6 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use super::tracker::PairTracker;
-use crate::base::callbacks;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::sort::sort;
 use crate::base::pose::{Operand, RelativePose};
@@ -34,7 +33,7 @@ pub enum OverlapError {
         body: Operand,
     },
     /// A piece of a compound is rounded or curved, or has no volume.
-    #[error("the volume of {body} is unknown: piece {piece} is no polyhedron with a volume")]
+    #[error("the volume of {body} is unknown: piece {piece} is flat, rounded or curved")]
     Piece {
         /// The body.
         body: Operand,
@@ -174,8 +173,7 @@ impl PairTracker {
     /// Returns the two surfaces of a pair.
     fn solids<'s>(&'s mut self, [a, b]: [GeometryRef<'s>; 2]) -> Result<[Solid<'s>; 2], OverlapError> {
         let [x, y] = &mut self.solids;
-        let solids = Solid::new(x, a, Operand::A).and_then(|a| Ok([a, Solid::new(y, b, Operand::B)?]));
-        solids.inspect_err(|why| callbacks::refused("an overlap", why))
+        Ok([Solid::new(x, a, Operand::A)?, Solid::new(y, b, Operand::B)?])
     }
 
     /// Returns bounds of the volume that two solids share, and its centre of mass.

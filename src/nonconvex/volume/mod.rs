@@ -73,9 +73,10 @@ pub struct OverlapVolume {
     /// Whether a winding number other than 0 and 1 was found.
     ///
     /// Then a body covers points twice, or its triangles face inward, and the volume counts each
-    /// point by the product of both winding numbers. All vertices near the other body are tested, and
-    /// one triangle of each of up to 256 sheets of a mesh (triangles connected over edges of two). A
-    /// false does not prove that no sheet crosses another: [`Mesh::inspect`] finds all crossings.
+    /// point by the product of both winding numbers. All vertices near the other body are tested,
+    /// and one triangle of each of up to 256 sheets of a mesh (triangles connected over edges of
+    /// two). A false does not prove that no sheet crosses another: [`Mesh::inspect`] finds all
+    /// crossings.
     pub covers_itself: bool,
 }
 
