@@ -684,11 +684,12 @@ const PACKAGES: &[(&str, &[&str])] = &[
             "cover hulls",
         ],
     ),
+    ("crates/clash/src", &["error rules model row find"]),
     (
         "crates/cli/src",
         &[
             "values output robot_options end text options receipt pair_boxes film drawing audit_page grid",
-            "audit cell certify clearance cover find_excluded plan points smooth verify",
+            "audit cell certify clash clearance cover find_excluded inspect plan points smooth verify",
         ],
     ),
 ];

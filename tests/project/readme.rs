@@ -3,9 +3,10 @@
 use std::path::Path;
 
 /// The packages of the workspace that have programs, examples or tests.
-const PACKAGES: [&str; 14] = [
+const PACKAGES: [&str; 15] = [
     ".",
     "crates/capi",
+    "crates/clash",
     "crates/cli",
     "crates/formats",
     "crates/parry",

@@ -12,6 +12,8 @@ pub(crate) enum End {
     Unknown,
     Blocked,
     NoPath,
+    /// A file was left out.
+    Invalid,
 }
 
 /// Error of a run.
@@ -21,6 +23,8 @@ pub(crate) enum ToolError {
     File(#[from] FileError),
     #[error(transparent)]
     Plan(#[from] PlanError),
+    #[error(transparent)]
+    Clash(Box<lin_canny_clash::ClashError>),
     #[error("{}: cannot be written: {reason}", file.display())]
     Write { file: PathBuf, reason: std::io::Error },
     #[error("{}:{line}: {reason}", file.display())]

@@ -12,6 +12,7 @@ mod audit;
 mod audit_page;
 mod cell;
 mod certify;
+mod clash;
 mod clearance;
 mod cover;
 mod drawing;
@@ -41,9 +42,9 @@ Exit codes:
   0  every row is clear, every segment is proven free, a path was found, a file was written, a
      receipt holds, or `audit` decided every pair
   1  a row is in contact or closer than required, a segment is blocked, a receipt does not hold,
-     a pair excluded as `Never` can meet, or `inspect` found something to repair
+     a pair excluded as `Never` can meet, parts clash, or `inspect` found something to repair
   2  wrong arguments
-  3  a file is invalid or cannot be written
+  3  a file is invalid or cannot be written, or was left out by `clash --keep-going`
   4  undecided: a pair is within rounding error of contact or of its required distance, or `audit`
      left a pair open
   5  no path found within the limits; a path may exist
@@ -78,6 +79,8 @@ enum Command {
     /// Find link pairs that always or never collide, and write them as SRDF
     #[command(alias = "ignorable")]
     FindExcluded(find_excluded::FindExcludedOptions),
+    /// Find parts of a model that overlap, and gaps that are too small, in mesh files and cells
+    Clash(clash::ClashArguments),
     /// Compute the signed distances of points, or of the nodes of a grid, from a mesh
     Points(points::PointOptions),
     /// List what keeps a mesh from being a solid: holes, inverted triangles, crossings; and what a repair
@@ -139,6 +142,7 @@ fn main() -> ExitCode {
         Command::Cell(options) => cell::run(&options),
         Command::Cover(options) => cover::run(&options),
         Command::FindExcluded(options) => find_excluded::run(&options),
+        Command::Clash(options) => clash::run(&options),
         Command::Points(options) => points::run(&options),
         Command::Inspect(options) => inspect::run(&options),
         Command::Verify(options) => verify::run(&options),
@@ -148,6 +152,7 @@ fn main() -> ExitCode {
         Ok(End::Blocked) => ExitCode::from(1),
         Ok(End::Unknown) => ExitCode::from(4),
         Ok(End::NoPath) => ExitCode::from(5),
+        Ok(End::Invalid) => ExitCode::from(3),
         Err(error) => {
             warn!("lin-canny: {error}");
             ExitCode::from(if matches!(error, ToolError::Blocked { .. }) {

@@ -157,7 +157,7 @@ pub(super) fn overlaps(t: &mut Teller, r: &mut Random) {
     for _ in 0..t.rounds(300) {
         let (a, b) = (hull(r, 12, 0), hull(r, 9, 0));
         let (points, triangles) = faulty(r);
-        let Ok((mesh, _)) = Mesh::repaired(&points, &triangles, &RepairOptions::default()) else {
+        let Ok(mesh) = Mesh::repaired(&points, &triangles, &RepairOptions::default()) else {
             continue;
         };
         t.tell("bounds", mesh.volume_bounds());

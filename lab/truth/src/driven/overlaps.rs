@@ -347,7 +347,7 @@ impl Judged {
             mix.families[8] += 1;
         }
         let options = RepairOptions::default();
-        let (mut mesh, _) = Mesh::repaired(&points, &triangles, &options).map_err(|e| told(&e))?;
+        let mut mesh = Mesh::repaired(&points, &triangles, &options).map_err(|e| told(&e))?;
         if form == 3 {
             let amount = *rng.pick(&[0.1, 1e-6, 1e-15]);
             let near = |p: &Point3<f64>| Point3::from(add((*p).into(), scale(rng.in_ball(), amount)));
