@@ -253,7 +253,7 @@ fn random_bytes(seed: u64, count: usize) -> Vec<u8> {
     (0..count).map(|_| rng.bits() as u8).collect()
 }
 
-const DRIVERS: [Driver; 21] = [
+const DRIVERS: [Driver; 23] = [
     // Lattices, bricks and stacks combine equal bounds, reused indices and slow motion. Brute force
     // checks each step.
     Driver {
