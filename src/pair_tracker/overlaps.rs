@@ -182,10 +182,10 @@ impl PairTracker {
     /// other. The bounds hold for the exact pose and for all ties: equal bodies, flush faces, edges
     /// on edges.
     ///
-    /// **Width**: a few roundings of the volume, and at most `1e-9` of the volume if it is above
-    /// `1e-12 L^3`. B's vertices are rounded once in A's frame unless the pose puts them there
-    /// exactly. This adds up to `4e-16 L` times the area of B's surface near A, which matters for
-    /// thin overlaps of large faces.
+    /// **Width**: if the pose puts B's vertices into A's frame without rounding, the bounds are a few
+    /// roundings apart, and at most `1e-9` of a volume above `1e-12 L^3` (feature `exact`).
+    /// Otherwise each vertex is rounded once. This adds up to `4e-16 L` times the area of B's
+    /// surface near A to each bound, which matters for thin overlaps of large faces.
     ///
     /// **Bodies that share no volume** may still touch: [`intersects`](Self::intersects) decides
     /// that, exactly. Bounds around zero do not.
