@@ -10,6 +10,7 @@ use lin_canny::{
     Cloud, CloudElement, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose, Shape, Velocity,
 };
 use truth::rng::Rng;
+use truth::soups;
 
 const GAPS: [f64; 6] = [1e-3, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11];
 
@@ -113,21 +114,9 @@ fn two_boxes(rng: &mut Rng) -> (Mesh, Vec<Point3<f64>>) {
     for x in [-0.6, 0.7] {
         let at = Isometry3::from_parts(Vector3::new(x, 0.1, 0.0).into(), rotation(rng));
         let first = points.len() as u32;
-        let end = |k: u32, bit: u32| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        points.extend((0..8).map(|k| at * Point3::new(0.3 * end(k, 0), 0.2 * end(k, 1), 0.1 * end(k, 2))));
-        let sides = [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ];
-        triangles.extend(
-            sides
-                .iter()
-                .flat_map(|[p, q, r, s]| [[p, q, r], [p, r, s]].map(|t| t.map(|k| first + k))),
-        );
+        let half = soups::cuboid([-0.3, -0.2, -0.1], [0.3, 0.2, 0.1]);
+        points.extend(half.points.iter().map(|p| at * Point3::from(*p)));
+        triangles.extend(half.triangles.iter().map(|t| t.map(|k| first + k)));
     }
     (Mesh::new(&points, &triangles).unwrap(), points)
 }

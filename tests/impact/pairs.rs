@@ -22,25 +22,6 @@ pub(crate) struct Bodies {
     surface: Option<BezierSurface>,
 }
 
-/// Returns a cuboid as a mesh of twelve triangles.
-fn mesh(half: Vector3<f64>) -> Mesh {
-    let corner = |k: u32| {
-        let sign = |bit: u32| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        Point3::from(Vector3::new(sign(0), sign(1), sign(2)).component_mul(&half))
-    };
-    let points: Vec<_> = (0..8).map(corner).collect();
-    let sides = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles: Vec<_> = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh::new(&points, &triangles).expect("a closed mesh")
-}
-
 impl Bodies {
     pub(crate) fn new(size: f64) -> Self {
         let half = Vector3::new(0.5, 0.4, 0.3) * size;
@@ -52,7 +33,7 @@ impl Bodies {
             ball: Shape::ball(r).expect("a ball"),
             cone: Shape::ellipsoid(half).expect("an ellipsoid"),
             pieces: Compound::from(Shape::cuboid(half).expect("a cuboid")),
-            mesh: mesh(half),
+            mesh: truth::forms::mesh(&truth::soups::cuboid((-half).into(), half.into())),
             surface: (size <= SURFACE_MAX).then(|| revolution(&[south, north]).expect("a sphere")),
         }
     }

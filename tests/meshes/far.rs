@@ -3,24 +3,12 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{ContactState, Mesh, PairTracker, RelativePose};
 use truth::driven::{far, played};
+use truth::forms::mesh;
+use truth::soups;
 
 /// Returns a box as a mesh.
 fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
-    let end = |k: usize, i: usize| if k >> i & 1 == 1 { high[i] } else { low[i] };
-    let points: Vec<Point3<f64>> = (0..8).map(|k| Point3::new(end(k, 0), end(k, 1), end(k, 2))).collect();
-    let quads = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles: Vec<[u32; 3]> = quads
-        .iter()
-        .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]])
-        .collect();
-    let mesh = Mesh::new(&points, &triangles).unwrap();
+    let mesh = mesh(&soups::cuboid(low, high));
     assert!(mesh.volume() > 0.0);
     mesh
 }

@@ -6,7 +6,7 @@ use lin_canny::{ContactState, ManifoldOptions, Mesh, PairTracker};
 use truth::Pose;
 use truth::driven::played;
 use truth::driven::solids::{PLACES, play};
-use truth::soups::Soup;
+use truth::soups;
 
 fn check(seeds: u64) {
     let mix = played(0..seeds, play);
@@ -40,22 +40,7 @@ fn a_hundred_thousand_solids_have_the_class_of_whole_numbers() {
 
 /// Returns a box of twelve triangles.
 fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
-    let corner = |k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 1 { high[i] } else { low[i] });
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    mesh(&Soup {
-        points: (0..8).map(corner).collect(),
-        triangles: faces
-            .iter()
-            .flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]])
-            .collect(),
-    })
+    mesh(&soups::cuboid(low, high))
 }
 
 fn state(a: &Mesh, b: &Mesh) -> ContactState {

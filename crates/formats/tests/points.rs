@@ -740,44 +740,14 @@ fn grids_are_arrays_of_two_axes_in_every_order() {
 fn wrong_grids_are_named_with_their_shape_or_number() {
     let array = |descr: &str, shape: &str, bytes: usize| npy(1, &header(descr, false, shape), &vec![0; bytes]);
     let nan: Vec<u8> = [1.0, f64::NAN].iter().flat_map(|x: &f64| x.to_le_bytes()).collect();
-    for (bytes, expected) in [
-        (
-            array("'<f8'", "(4,)", 32),
-            "a: an array of shape \"4\" (expected two axes: rows and columns)",
-        ),
-        (
-            array("'<f4'", "(2, 2, 2)", 32),
-            "a: an array of shape \"2 x 2 x 2\" (expected two axes: rows and columns)",
-        ),
-        (
-            array("'<f8'", "(0, 3)", 0),
-            "a: an array of shape \"0 x 3\" contains no number",
-        ),
-        (
-            array("'<f2'", "(2, 2)", 8),
-            "a: an array of type \"<f2\" is not supported",
-        ),
-        (
-            array("[('x', '<f8')]", "(1, 1)", 8),
-            "a: an array of structures is not supported",
-        ),
-        (
-            npy(1, &header("'<f8'", false, "(1, 2)"), &nan),
-            "a: number [0][1] is not finite: NaN",
-        ),
-        (
-            b"1 2\n3 x\n".to_vec(),
-            "a, line 2: number [1][1] is \"x\" (expected a finite number)",
-        ),
-        (
-            b"1 2\n3 inf\n".to_vec(),
-            "a, line 2: number [1][1] is \"inf\" (expected a finite number)",
-        ),
-        (b"1 2\n\n3\n".to_vec(), "a, line 3: row 1 has 1 numbers (expected 2)"),
-        (b"# no row\n".to_vec(), "a: the file contains no number"),
-        (b" \n".to_vec(), "a: the file is empty"),
-    ] {
-        let error = Grid::parse(&bytes, "a").expect_err(expected).to_string();
+    let arrays = cases("wrong arrays of a grid").into_iter();
+    let arrays = arrays.map(|[descr, shape, bytes, why]| (array(&descr, &shape, bytes.parse().expect("a size")), why));
+    let texts = cases("wrong texts of a grid").into_iter();
+    let texts = texts.map(|[text, why]| (text.into_bytes(), why));
+    let nan = npy(1, &header("'<f8'", false, "(1, 2)"), &nan);
+    let nan = (nan, "a: number [0][1] is not finite: NaN".to_owned());
+    for (bytes, expected) in arrays.chain(texts).chain([nan]) {
+        let error = Grid::parse(&bytes, "a").expect_err(&expected).to_string();
         assert_eq!(error, expected);
     }
     assert!(

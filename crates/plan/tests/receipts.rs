@@ -11,11 +11,11 @@ use lin_canny::{
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
     Cell, CellBody, CertifyOptions, Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointMotion,
-    JointTree, PlanError, PlanarSpace, RangeOptions, RangeProver, RigidSpace, TimedPoses, TranslationSpace, TreeJoint,
-    Verdict,
+    JointTree, PlanError, PlanarSpace, RangeOptions, RigidSpace, TimedPoses, TranslationSpace, TreeJoint, Verdict,
 };
 use truth::arm::{self, motion};
 use truth::casts::{SHAPES, aimed, body, rotation};
+use truth::plans::{Ask, Furnish, bezier, cuboid};
 use truth::rng::Rng;
 
 #[path = "../../verify/tests/support/python.rs"]
@@ -48,7 +48,7 @@ fn arm() -> Checker<JointTree> {
 /// Writes and checks the receipt of a segment; returns whether it is free, blocked later (1), at
 /// the start (2) or undecided.
 fn judge<C: ConfigurationSpace>(checker: &mut Checker<C>, from: &[f64], to: &[f64]) -> usize {
-    let verdict = checker.certify(&JointMotion::segment(from, to)).expect("a segment");
+    let verdict = checker.verdict_of(&JointMotion::segment(from, to));
     let receipt = Receipt::motion(checker, &JointMotion::segment(from, to));
     if matches!(verdict, Verdict::Undecided { .. }) {
         assert!(matches!(receipt, Err(ReceiptError::Undecided { .. })), "{receipt:?}");
@@ -102,12 +102,7 @@ fn random_segments_of_an_arm_have_receipts() {
 fn a_path_has_the_scene_once() {
     let mut checker = arm();
     let rows: Vec<Vec<f64>> = (0..=20).map(|k| motion::carry(f64::from(k) / 20.0)).collect();
-    assert!(
-        checker
-            .certify(&JointMotion::path(&rows).expect("a motion"))
-            .expect("a path")
-            .is_free()
-    );
+    assert!(checker.is_free_along(&JointMotion::path(&rows).expect("a motion")));
     let receipt = Receipt::motion(&mut checker, &JointMotion::path(&rows).expect("a motion")).expect("a free path");
     let [text, _] = holds(&receipt);
     let count = |kind: &str| {
@@ -133,7 +128,7 @@ fn a_path_has_the_scene_once() {
 fn sealed(lines: &[String]) -> String {
     let text: String = lines.iter().flat_map(|line| [line.as_str(), "\n"]).collect();
     // A receipt hashes the files that it names.
-    let die = Geometry::from(solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
+    let die = Geometry::from(cuboid([0.5; 3]));
     let far = Isometry3::translation(3.0, 0.0, 0.0);
     let outcome = Tracker::new().closest(
         die.as_polyhedron().expect("a box"),
@@ -230,10 +225,7 @@ fn random_curves_of_an_arm_have_receipts() {
         let line = text.lines().find(|line| line.starts_with("{\"leg\"")).expect("a leg");
         assert_eq!(line.matches('[').count(), points.len() + 1);
         if verdict.is_free() {
-            let spline = [
-                curve.clone(),
-                JointCurve::bezier(&[curve.at(1.0), curve.at(1.0)]).expect("a curve"),
-            ];
+            let spline = [curve.clone(), bezier(&[curve.at(1.0), curve.at(1.0)])];
             let spline =
                 Receipt::motion(&mut checker, &JointMotion::spline(&spline).expect("a motion")).expect("a free spline");
             counts[2] += usize::from(holds(&spline)[1].contains("each of 2 legs"));
@@ -259,9 +251,7 @@ fn ranges_of_an_arm_have_receipts() {
         let q = motion::carry(rng.uniform());
         let [low, high] = range_around(&q, &checker, [0.03, 0.15, 0.4][k % 3]);
         let options = RangeOptions::default().cells(2000);
-        let answers = RangeProver::new(&options)
-            .all_pairs(&mut checker, &low, &high)
-            .expect("a range");
+        let answers = checker.answers_over(&options, &low, &high);
         let never = answers.iter().filter(|answer| answer.is_never()).count();
         let receipt = Receipt::range(&checker, &answers, 4000).expect("a receipt");
         let [text, said] = holds(&receipt);
@@ -318,11 +308,7 @@ fn a_proof_of_a_library_that_errs_is_refused() {
             .cell_mut()
             .move_obstacle(pair.b, elsewhere)
             .expect("an obstacle");
-        if !checker
-            .certify(&JointMotion::segment(&from, &to))
-            .expect("a segment")
-            .is_free()
-        {
+        if !checker.is_free_along(&JointMotion::segment(&from, &to)) {
             continue;
         }
         let receipt = Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)).expect("a receipt");
@@ -404,23 +390,21 @@ fn bodies_that_move_as_one_have_receipts() {
     let mut counts = [0; 4];
     let cell = || {
         let mut cell = Cell::new();
-        cell.robot_body("rod", solids::cuboid(Vector3::new(0.5, 0.1, 0.1)).expect("a box"));
+        cell.robot_body("rod", cuboid([0.5, 0.1, 0.1]));
         cell.robot_body("ball", Shape::ball(0.15).expect("a ball"));
-        let block = solids::cuboid(Vector3::new(0.2, 1.0, 2.0)).expect("a box");
+        let block = cuboid([0.2, 1.0, 2.0]);
         for y in [1.3, -1.3] {
-            cell.add_obstacle(
+            cell.put(
                 cell.free_name("wall"),
                 block.clone(),
                 Isometry3::translation(0.0, y, 0.0),
-            )
-            .expect("an obstacle");
+            );
         }
-        cell.add_obstacle(
+        cell.put(
             "knob",
             Shape::ball(0.2).expect("a ball"),
             Isometry3::translation(1.0, 0.3, 0.0),
-        )
-        .expect("an obstacle");
+        );
         cell.set_margin(0.01).expect("a margin");
         cell
     };
@@ -485,29 +469,26 @@ fn a_tree_with_attached_objects_and_margins_has_receipts() {
     let base = Isometry3::new(Vector3::new(0.0, 0.0, 0.5), Vector3::new(0.0, 0.1, 0.0));
     let space = JointTree::new(base, joints, limits, vec![0, 2, 4], vec![0.5; 5]).expect("a tree");
     let mut cell = Cell::new();
-    cell.robot_body("foot", solids::cuboid(Vector3::new(0.1, 0.1, 0.4)).expect("a box"));
+    cell.robot_body("foot", cuboid([0.1, 0.1, 0.4]));
     cell.robot_body("upper \"arm\"\u{202e}", Shape::capsule(0.2, 0.05).expect("a capsule"));
     cell.robot_body("hand", solids::octahedron(0.15).expect("a body"));
-    cell.attach(
+    cell.carry(
         "hand",
         "part",
         Shape::cylinder(0.1, 0.05).expect("a cylinder"),
         turned,
         &["hand"],
-    )
-    .expect("a link");
-    cell.add_obstacle(
+    );
+    cell.put(
         "post",
         solids::prism(7, 0.5, 0.1).expect("a prism"),
         Isometry3::translation(0.9, 0.5, 0.5),
-    )
-    .expect("an obstacle");
-    cell.add_obstacle(
+    );
+    cell.put(
         "cone",
         Shape::cone(0.2, 0.1).expect("a cone"),
         Isometry3::translation(-0.4, -0.9, 0.7),
-    )
-    .expect("an obstacle");
+    );
     cell.set_margin(0.002).expect("a margin");
     cell.pad("post", 0.01).expect("a body");
     cell.set_pair_margin("hand", "cone", Some(0.03)).expect("a pair");
@@ -517,10 +498,7 @@ fn a_tree_with_attached_objects_and_margins_has_receipts() {
     let mut counts = [0; 2];
     for _ in 0..60 {
         let [from, to] = [(); 2].map(|()| checker.space().sample(&mut || rng.uniform()));
-        let is_free = checker
-            .certify(&JointMotion::segment(&from, &to))
-            .expect("a segment")
-            .is_free();
+        let is_free = checker.is_free_along(&JointMotion::segment(&from, &to));
         let receipt = match Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)) {
             Ok(receipt) => receipt,
             // A cylinder or a cone has no points of a contact.
@@ -574,7 +552,7 @@ fn casts_at_a_half_space_that_turns_have_receipts() {
     let mut counts = [0; 2];
     for _ in 0..60 {
         let wall = Geometry::from(HalfSpace::new(Vector3::from(rng.unit()), rng.range(-0.5, 0.5)).expect("a plane"));
-        let die = Geometry::from(solids::cuboid(Vector3::repeat(rng.range(0.1, 0.4))).expect("a box"));
+        let die = Geometry::from(cuboid([rng.range(0.1, 0.4); 3]));
         let any = |rng: &mut Rng, far: f64| {
             let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * rng.range(0.0, 3.0));
             let at = Isometry3::from_parts((Vector3::from(rng.unit()) * far).into(), turn);
@@ -601,8 +579,7 @@ fn moving_obstacles_need_a_clock_and_one_leg_for_a_body_without_joints() {
     let mut cell = Cell::new();
     cell.robot_body("drone", Shape::ball(0.2).expect("a ball"));
     let crossing = TimedPoses::new(&[0.0, 4.0, 6.0], &[at(-4.0), at(4.0), at(9.0)]).expect("timed poses");
-    cell.add_moving_obstacle("train", Shape::ball(0.5).expect("a ball"), crossing)
-        .expect("an obstacle");
+    cell.put_moving("train", Shape::ball(0.5).expect("a ball"), crossing);
     let space = TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
     let mut checker = Checker::new(space, cell).expect("a world");
     let flight = |times: [f64; 2]| {
@@ -627,7 +604,7 @@ fn moving_obstacles_need_a_clock_and_one_leg_for_a_body_without_joints() {
         .iter()
         .enumerate()
         .map(|(k, [from, to])| {
-            let curve = JointCurve::bezier(&[[*from], [*to]]).expect("a curve");
+            let curve = bezier(&[[*from], [*to]]);
             match k {
                 1 => curve,
                 _ => curve.with_times([k as f64, k as f64 + 1.0]).expect("times"),
@@ -683,22 +660,16 @@ fn distances_and_overlaps_have_receipts() {
 #[test]
 fn what_has_no_receipt_is_an_error_with_a_name() {
     let space = || TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
-    let die = solids::cuboid(Vector3::repeat(0.5)).expect("a box");
+    let die = cuboid([0.5; 3]);
 
     // A contact at the start that is left, and a path of a rigid body.
     let mut cell = Cell::new();
     cell.robot_body("die", die.clone());
-    cell.add_obstacle("table", die.clone(), Isometry3::translation(0.0, 0.0, -1.0))
-        .expect("an obstacle");
+    cell.put("table", die.clone(), Isometry3::translation(0.0, 0.0, -1.0));
     let mut checker = Checker::new(space(), cell).expect("a world");
     checker.set_start_contact_margin(Some(1e-3)).expect("a margin");
     let (down, up) = ([0.0; 3], [0.0, 0.0, 2.0]);
-    assert!(
-        checker
-            .certify(&JointMotion::segment(&down, &up))
-            .expect("a segment")
-            .is_free()
-    );
+    assert!(checker.is_free_along(&JointMotion::segment(&down, &up)));
     let error = Receipt::motion(&mut checker, &JointMotion::segment(&down, &up)).unwrap_err();
     assert_eq!(error, ReceiptError::Nothing);
     let path = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [2.0, 0.0, 1.0]].map(Vec::from);
@@ -741,7 +712,7 @@ fn past_a_round_post(seeds: core::ops::Range<u64>) -> [usize; 2] {
             let (arm, mut cell) = arm::in_cell().expect("the built-in cell");
             let at = Isometry3::from_parts((direction * far + Vector3::z() * height).into(), tilt);
             let post = Shape::cylinder(0.25, 0.06).expect("a post");
-            cell.add_obstacle("round post", post, at).expect("an obstacle");
+            cell.put("round post", post, at);
             Checker::new(arm, cell).expect("a cell")
         };
         let is_free = |far: f64| with_post(far).is_free(&path).expect("a segment");
@@ -803,7 +774,7 @@ fn a_body_of_many_cylinders_has_a_receipt() {
         ..Piece::new(rod.clone())
     };
     let brush = Geometry::from(Compound::new((0..9000).map(piece).collect()).expect("a brush"));
-    let die = Geometry::from(solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
+    let die = Geometry::from(cuboid([0.5; 3]));
     let at = Isometry3::translation(0.0, 0.0, 40.0);
     let rest = Steady::new(&Isometry3::identity(), Velocity::default()).expect("rest");
     let flight = Steady::new(&at, Velocity::new(Vector3::x(), Vector3::zeros())).expect("a motion");

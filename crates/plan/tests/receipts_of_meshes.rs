@@ -8,10 +8,9 @@ use lin_canny::{
     Compound, ContactState, Geometry, Mesh, Outcome, PairTracker, Piece, RelativePose, RepairOptions, Shape, Velocity,
 };
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
-use lin_canny_plan::{
-    Cell, Checker, Joint, JointMotion, JointTree, RangeOptions, RangeProver, TranslationSpace, Verdict,
-};
+use lin_canny_plan::{Cell, Checker, Joint, JointMotion, JointTree, RangeOptions, TranslationSpace, Verdict};
 use truth::casts::aimed;
+use truth::plans::{Ask, Furnish, cuboid};
 use truth::rng::Rng;
 
 #[path = "../../verify/tests/support/python.rs"]
@@ -30,7 +29,7 @@ fn holds(receipt: &Receipt) -> [String; 2] {
 fn frame() -> Compound {
     let bar = |x: f64, y: f64, along_x: bool| {
         let half = if along_x { [1.0, 0.25, 0.25] } else { [0.25, 1.0, 0.25] };
-        let mut piece = Piece::new(solids::cuboid(Vector3::from(half)).expect("a box"));
+        let mut piece = Piece::new(cuboid(half));
         piece.pose = Isometry3::translation(x, y, 0.0);
         piece
     };
@@ -57,8 +56,7 @@ fn moved(rod: Geometry, around: Geometry) -> Checker<TranslationSpace> {
     let space = TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
     let mut cell = Cell::new();
     cell.robot_body("rod", rod);
-    cell.add_obstacle("frame", around, Isometry3::identity())
-        .expect("an obstacle");
+    cell.put("frame", around, Isometry3::identity());
     Checker::new(space, cell).expect("a world")
 }
 
@@ -94,12 +92,7 @@ fn a_rod_through_a_frame_has_a_receipt() {
             // Through the hole, and within it.
             for (from, inside) in [(-3.0, false), (-0.2, true)] {
                 let (from, to) = ([0.05, 0.0, from], [0.0, 0.05, 0.2]);
-                assert!(
-                    checker
-                        .certify(&JointMotion::segment(&from, &to))
-                        .expect("a segment")
-                        .is_free()
-                );
+                assert!(checker.is_free_along(&JointMotion::segment(&from, &to)));
                 let receipt = Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)).expect("a receipt");
                 let [text, said] = holds(&receipt);
                 assert!(text.contains("\"cut\":["), "{text}");
@@ -125,14 +118,11 @@ fn hulls_that_part_later_prove_that_no_body_is_inside() {
 /// A small mesh within a hollow one touches no surface: the receipt does not say that it is free.
 #[test]
 fn a_body_inside_a_mesh_is_not_said_to_be_free() {
-    let shell = solids::cuboid(Vector3::repeat(2.0)).expect("a box");
-    let grain =
-        Geometry::from(Mesh::from_convex(&solids::cuboid(Vector3::repeat(0.1)).expect("a box")).expect("a mesh"));
+    let shell = cuboid([2.0; 3]);
+    let grain = Geometry::from(Mesh::from_convex(&cuboid([0.1; 3])).expect("a mesh"));
     let solid = Geometry::from(Mesh::from_convex(&shell).expect("a mesh"));
     let mut checker = moved(grain.clone(), solid);
-    let verdict = checker
-        .certify(&JointMotion::segment(&[0.0; 3], &[0.1, 0.0, 0.0]))
-        .expect("a segment");
+    let verdict = checker.verdict_of(&JointMotion::segment(&[0.0; 3], &[0.1, 0.0, 0.0]));
     assert!(matches!(verdict, Verdict::Blocked { .. }), "{verdict:?}");
     let error = Receipt::motion(&mut checker, &JointMotion::segment(&[0.0; 3], &[0.1, 0.0, 0.0])).unwrap_err();
     assert!(matches!(error, ReceiptError::Pair { .. }), "{error}");
@@ -162,7 +152,7 @@ fn a_rod_that_hits_a_frame_has_a_receipt() {
             let from = [rng.range(-0.2, 0.2), rng.range(-0.2, 0.2), rng.range(-2.0, 0.0)];
             let most = if k % 2 == 0 { 0.2 } else { 2.0 };
             let to = [rng.range(-most, most), rng.range(-most, most), rng.range(-1.0, 2.0)];
-            let verdict = checker.certify(&JointMotion::segment(&from, &to)).expect("a segment");
+            let verdict = checker.verdict_of(&JointMotion::segment(&from, &to));
             let receipt = match (
                 &verdict,
                 Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)),
@@ -230,13 +220,13 @@ fn pieces_keep_their_own_radii() {
 #[test]
 fn a_pair_that_grazes_has_a_receipt_of_at_most_20000_planes() {
     let bar = |half: [f64; 3], x: f64, y: f64| {
-        let mut piece = Piece::new(solids::cuboid(Vector3::from(half)).expect("a box"));
+        let mut piece = Piece::new(cuboid(half));
         piece.pose = Isometry3::translation(x, y, 0.0);
         piece
     };
     let legs = vec![bar([1.0, 0.1, 0.5], 0.0, -1.1), bar([0.1, 1.2, 0.5], -1.1, 0.0)];
     let angle = Geometry::from(Compound::new(legs).expect("an angle"));
-    let block = Geometry::from(solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
+    let block = Geometry::from(cuboid([0.5; 3]));
     let turned = |gap: f64| {
         let spin = Velocity::new(Vector3::zeros(), Vector3::z());
         let about = |x: f64, y: f64| {
@@ -372,14 +362,12 @@ fn ranges_of_meshes_and_compounds_have_receipts() {
             let arm = JointTree::serial(origin, joints, vec![2], 1.0).expect("an arm");
             let mut cell = Cell::new();
             cell.robot_body("rod", rod(kind));
-            cell.add_obstacle("frame", around.clone(), origin).expect("an obstacle");
+            cell.put("frame", around.clone(), origin);
             let mut checker = Checker::new(arm, cell).expect("a world");
             // In the hole, and from above it through the hole.
             for (low, inside) in [([-0.2, -1.0], true), ([-2.0, -0.5], false)] {
                 let high = [0.2, 0.5];
-                let answers = RangeProver::new(&RangeOptions::default())
-                    .all_pairs(&mut checker, &low, &high)
-                    .expect("a range");
+                let answers = checker.answers_over(&RangeOptions::default(), &low, &high);
                 assert!(answers[0].is_never(), "{:?}", answers[0]);
                 let receipt = Receipt::range(&checker, &answers, 20_000).expect("a receipt");
                 let [text, said] = holds(&receipt);

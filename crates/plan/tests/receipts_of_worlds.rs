@@ -7,9 +7,9 @@ use lin_canny::shape::Core;
 use lin_canny::{Cloud, CloudElement, Compound, Geometry, HalfSpace, Mesh, MeshKind, Piece, Shape};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
-    Cell, Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, RangeOptions, RangeProver,
-    TimedPoses, Verdict,
+    Cell, Checker, ConfigurationSpace, Joint, JointMotion, JointTree, RangeOptions, RangeProver, TimedPoses, Verdict,
 };
+use truth::plans::{Ask, Furnish, bezier};
 use truth::rng::Rng;
 
 #[path = "../../verify/tests/support/python.rs"]
@@ -170,18 +170,16 @@ fn world(rng: &mut Rng, has_times: bool) -> Checker<JointTree> {
         let tilt = UnitQuaternion::from_scaled_axis(rng.range(0.0, 0.3) * direction(rng));
         let floor = HalfSpace::new(tilt * Vector3::z(), rng.range(-3.0, -0.2)).expect("a plane");
         // The base may stand in it.
-        cell.add_obstacle("floor", floor, pose(rng, 0.0)).expect("an obstacle");
+        cell.put("floor", floor, pose(rng, 0.0));
         for k in 0..rng.below(6) {
             let far = rng.range(0.2, 2.0);
-            cell.add_obstacle(format!("part {k}"), body(rng, 0.3), pose(rng, far))
-                .expect("an obstacle");
+            cell.put(format!("part {k}"), body(rng, 0.3), pose(rng, far));
         }
         for k in 0..if has_times { 1 + rng.below(2) } else { 0 } {
             let wall = HalfSpace::new(direction(rng), rng.range(-4.0, -0.5)).expect("a plane");
             let body = if rng.below(4) == 0 { wall.into() } else { body(rng, 0.2) };
             let poses = poses(rng);
-            cell.add_moving_obstacle(format!("cart {k}"), body, poses)
-                .expect("an obstacle");
+            cell.put_moving(format!("cart {k}"), body, poses);
         }
         if rng.below(3) == 0 {
             cell.pad("floor", 0.02).expect("a padding");
@@ -224,7 +222,7 @@ fn motion(rng: &mut Rng, joints: usize) -> JointMotion {
     match rng.below(3) {
         0 => JointMotion::segment(&rows[0], &rows[1]),
         1 => JointMotion::path(&rows).expect("a path"),
-        _ => JointMotion::curve(&JointCurve::bezier(&rows).expect("a curve")),
+        _ => JointMotion::curve(&bezier(&rows)),
     }
 }
 
@@ -257,7 +255,7 @@ fn judge(seeds: std::ops::Range<u64>, has_times: bool) -> [usize; 5] {
         if rng.below(6) == 0 {
             motion = motion.with_radius(rng.range(0.001, 0.05)).expect("a tube");
         }
-        let verdict = checker.certify(&motion).expect("a motion");
+        let verdict = checker.verdict_of(&motion);
         let receipt = Receipt::motion(&mut checker, &motion);
         let receipt = match (&verdict, receipt) {
             (Verdict::Free { .. }, Ok(receipt)) => {

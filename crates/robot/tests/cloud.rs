@@ -8,6 +8,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, PairTracker, RelativePose, Shape};
 use lin_canny_plan::{CellBody, Checker, JointMotion, JointTree, Verdict};
 use lin_canny_robot::{LoadedCell, RobotFiles};
+use truth::plans::{Ask, Furnish, cuboid};
 use truth::rng::Rng;
 
 /// Radius of the balls at the points.
@@ -65,16 +66,10 @@ fn checker(holder: &Holder, points: &[[f32; 3]]) -> Checker<JointTree> {
     let LoadedCell { cell: setup, .. } = RobotFiles::new(&holder.file).load().expect("a robot");
     let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     let cloud = Cloud::from_f32(points, CloudElement::Ball(RADIUS)).expect("points");
-    checker
-        .cell_mut()
-        .add_obstacle("camera", cloud, Isometry3::identity())
-        .expect("an obstacle");
-    let part = solids::cuboid(Vector3::new(0.03, 0.03, 0.06)).expect("a box");
+    checker.cell_mut().put("camera", cloud, Isometry3::identity());
+    let part = cuboid([0.03, 0.03, 0.06]);
     let at = Isometry3::translation(0.0, 0.0, 0.14);
-    checker
-        .cell_mut()
-        .attach(holder.hand, "part", part, at, holder.touching)
-        .expect("a link");
+    checker.cell_mut().carry(holder.hand, "part", part, at, holder.touching);
     checker.cell_mut().exclude(holder.base, "camera").expect("both");
     let own: Vec<CellBody> = checker.cell().bodies().map(|b| b.0).filter(is_own).collect();
     for (k, a) in own.iter().enumerate() {
@@ -180,7 +175,7 @@ fn judge_motions(holder: &Holder, points: usize, step: f64, [count, places]: [us
             .zip(&limits)
             .map(|(x, [low, high])| (x + rng.range(-step, step)).clamp(*low, *high))
             .collect();
-        match checker.certify(&JointMotion::segment(&from, &to)).expect("a motion") {
+        match checker.verdict_of(&JointMotion::segment(&from, &to)) {
             Verdict::Free { .. } => free += 1,
             Verdict::Blocked { .. } => {
                 blocked += 1;

@@ -10,6 +10,7 @@ use lin_canny_plan::{
     Cell, CellBody, Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, TreeJoint, Verdict,
 };
 use lin_canny_robot::{LoadedCell, RobotFiles};
+use truth::plans::{Ask, Furnish, cuboid};
 use truth::rng::Rng;
 
 /// A configuration in contact is at most this far from a contact, in metres: the pose of a configuration and that of a segment
@@ -37,17 +38,12 @@ fn among_obstacles(file: &Path, srdf: Option<PathBuf>, rng: &mut Rng) -> Checker
 fn add_obstacles(checker: &mut Checker<JointTree>, size: f64, rng: &mut Rng) {
     for k in 0..8 {
         let geometry: Geometry = match k % 3 {
-            0 => solids::cuboid(Vector3::new(size, 0.6 * size, 0.3 * size))
-                .expect("a box")
-                .into(),
+            0 => cuboid([size, 0.6 * size, 0.3 * size]).into(),
             1 => Shape::cylinder(size, 0.3 * size).expect("a cylinder").into(),
             _ => Shape::ball(0.5 * size).expect("a ball").into(),
         };
         let at = random_isometry(rng, 6.0 * size);
-        checker
-            .cell_mut()
-            .add_obstacle(format!("obstacle {k}"), geometry, at)
-            .expect("an obstacle");
+        checker.cell_mut().put(format!("obstacle {k}"), geometry, at);
     }
 }
 
@@ -125,9 +121,7 @@ fn judged(
         let free = checker
             .is_free(&JointMotion::segment(&here, &there))
             .expect("a segment");
-        let verdict = checker
-            .certify(&JointMotion::segment(&here, &there))
-            .expect("a segment");
+        let verdict = checker.verdict_of(&JointMotion::segment(&here, &there));
         let at = |t: f64| -> Vec<f64> { here.iter().zip(&there).map(|(a, b)| a + t * (b - a)).collect() };
         match verdict {
             Verdict::Free { .. } => {

@@ -8,6 +8,7 @@ use lin_canny_robot::plan::{CellBody, Checker, JointCurve, JointTree, Verdict};
 use lin_canny_robot::{
     CellFile, FileError, LoadOptions, LoadedCell, OtherRobot, Packages, Robot, RobotFiles, RobotRecorder, Trajectory,
 };
+use truth::plans::{Ask, bezier};
 use truth::rng::Rng;
 
 /// The rows of a section of the cases.
@@ -130,11 +131,11 @@ fn cells_with_poses_are_saved_bit_for_bit() {
             q
         });
         let begin = rng.range(0.1, 3.0);
-        let curve = JointCurve::bezier(&[p, q]).expect("a curve");
+        let curve = bezier(&[p, q]);
         let curve = curve.with_times([begin, begin + 0.5]).expect("times");
         let verdicts = [&mut one, &mut other].map(|checker| {
             checker.forget();
-            checker.certify(&JointMotion::curve(&curve)).expect("within limits")
+            checker.verdict_of(&JointMotion::curve(&curve))
         });
         assert_eq!(verdicts[0], verdicts[1]);
         free += u32::from(verdicts[0].is_free());
@@ -199,9 +200,7 @@ fn two_robots_exchange_places() {
     assert_eq!(checker.work().pairs_made, 4);
     let certify = |checker: &mut Checker<JointTree>, text: &str| {
         let path = Trajectory::parse_timed(text, "two.csv", setup.coordinates(), &[]).expect("a trajectory");
-        checker
-            .certify(&JointMotion::spline(&path.curves().expect("curves")).expect("a motion"))
-            .expect("limits")
+        checker.verdict_of(&JointMotion::spline(&path.curves().expect("curves")).expect("a motion"))
     };
     // On one rail they meet in the middle.
     let same = "time,x,y,b_x,b_y\n0,-2,0,2,0\n4,2,0,-2,0\n";

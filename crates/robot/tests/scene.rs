@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{Geometry, GeometryKind, MeshKind, PairTracker, RelativePose, Shape};
 use lin_canny_robot::{AttachedBody, CellFile, LoadOptions, LoadedCell, Packages, RobotFiles};
+use truth::plans::Furnish;
 
 fn folder() -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scene");
@@ -149,13 +150,11 @@ fn objects_are_attached_padded_and_excluded_by_name() {
 
     let mut setup = plain.clone();
     rod.clone().attach_to(&mut setup, link).expect("a link");
-    setup
-        .add_obstacle(
-            "ball",
-            Shape::ball(0.1).expect("a ball"),
-            Isometry3::translation(5.0, 5.0, 5.0),
-        )
-        .expect("an obstacle");
+    setup.put(
+        "ball",
+        Shape::ball(0.1).expect("a ball"),
+        Isometry3::translation(5.0, 5.0, 5.0),
+    );
     let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
     let near = checker.nearest(&home, f64::INFINITY).expect("pairs");
     let names = |pair: &lin_canny_robot::plan::CellPair| [pair.a, pair.b].map(|id| checker.name(id).to_owned());

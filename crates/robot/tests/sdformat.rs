@@ -9,6 +9,7 @@ use lin_canny_plan::{Cell, CellBody, Checker, ConfigurationSpace};
 use lin_canny_robot::{CellFile, FileError, FileErrorKind, LoadOptions, MotionKind, Packages, Robot};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use truth::plans::Furnish;
 use truth::rows::{numbers, rows};
 
 /// The rows of a section of the cases.
@@ -687,9 +688,7 @@ fn a_plane_of_a_robot_is_a_half_space_unless_it_moves() {
     };
     let mut first = setup();
     let post = lin_canny::Shape::ball(0.5).expect("a ball");
-    first
-        .add_obstacle("post", post, Isometry3::translation(1e6, 0.0, 0.0))
-        .expect("an obstacle");
+    first.put("post", post, Isometry3::translation(1e6, 0.0, 0.0));
     let mut checker = Checker::of_robots(first).expect("a checker");
     let (name, _, pose) = checker.cell().obstacles().next().expect("an obstacle");
     assert_eq!((name, pose.translation.vector), ("r/a", Vector3::new(1e6, -1e6, 10.5)));

@@ -12,6 +12,7 @@ use lin_canny_robot::{
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use truth::plans::{Ask, Furnish};
 
 fn examples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")
@@ -171,9 +172,7 @@ fn certified_segments_are_judged_right() {
             .zip(&from)
             .map(|(x, y)| 0.7 * y + 0.3 * x)
             .collect();
-        let verdict = checker
-            .certify(&JointMotion::segment(&from, &to))
-            .expect("configurations");
+        let verdict = checker.verdict_of(&JointMotion::segment(&from, &to));
         let meets = |t: f64, judge: &mut Judge| {
             let q: Vec<f64> = from.iter().zip(&to).map(|(x, y)| x + (y - x) * t).collect();
             judge.meets(&robot, &q)
@@ -384,26 +383,20 @@ fn links_without_size_are_checked() {
         let robot = Robot::parse(&text, "r.urdf", &Packages::default(), &LoadOptions::default()).expect("a robot");
         let mut setup = Cell::new();
         setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
-        setup
-            .add_obstacle(
-                "ball",
-                lin_canny::Shape::ball(1.0).expect("a ball"),
-                Isometry3::identity(),
-            )
-            .expect("an obstacle");
+        setup.put(
+            "ball",
+            lin_canny::Shape::ball(1.0).expect("a ball"),
+            Isometry3::identity(),
+        );
         let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
         let near = checker.clearance(&[3.0]).expect("a configuration").expect("a pair");
         assert!(
             (near.distance - 2.0).abs() < 1e-12 && near.lower <= 2.0 && near.upper >= 2.0,
             "{k}: {near:?}"
         );
-        let verdict = checker
-            .certify(&JointMotion::segment(&[3.0], &[1.5]))
-            .expect("configurations");
+        let verdict = checker.verdict_of(&JointMotion::segment(&[3.0], &[1.5]));
         assert!(matches!(verdict, Verdict::Free { .. }), "{k}: {verdict:?}");
-        let verdict = checker
-            .certify(&JointMotion::segment(&[3.0], &[-3.0]))
-            .expect("configurations");
+        let verdict = checker.verdict_of(&JointMotion::segment(&[3.0], &[-3.0]));
         assert!(matches!(verdict, Verdict::Blocked { .. }), "{k}: {verdict:?}");
     }
 }
@@ -559,28 +552,10 @@ fn unknown_elements_of_an_srdf_are_errors_with_their_line() {
             .len(),
         1
     );
-    for (wrong, words) in [
-        (
-            "<disable_collision link1=\"base\" link2=\"hand\"/>",
-            "did you mean \"disable_collisions\"?",
-        ),
-        ("<link name=\"base\"/>", "unknown element: \"link\""),
-        (
-            "<xacro:include xmlns:xacro=\"http://ros.org/wiki/xacro\"/>",
-            "run xacro",
-        ),
-        ("<disable_collisions link1=\"base\"/>", "attribute link2 is missing"),
-        (
-            "<disable_collisions link1=\"base\" lnk2=\"hand\"/>",
-            "did you mean \"link2\"?",
-        ),
-        ("<disable_collisions link1=\"base\" link2=\"${x}\"/>", "run xacro"),
-        ("<disable_default_collisions/>", "attribute link is missing"),
-        ("<enable_collisions link2=\"base\"/>", "attribute link1 is missing"),
-    ] {
+    for [wrong, words] in truth::rows::rows(include_str!("setup/rows.txt"), "faults of an SRDF") {
         for (text, line) in [(format!("{wrong}{good}"), 2), (format!("{good}\n{wrong}"), 4)] {
-            let error = srdf(&text).expect_err(wrong);
-            assert!(error.to_string().contains(words), "{error}");
+            let error = srdf(&text).expect_err(&wrong);
+            assert!(error.to_string().contains(&words), "{error}");
             assert_eq!(error.line, Some(line), "{error}");
         }
     }
@@ -596,10 +571,7 @@ fn objects_are_attached_to_links_whose_bodies_have_other_frames() {
     let grip = Isometry3::translation(0.0, 0.0, 0.12);
     let fingers = ["left finger", "right finger"];
     let part = lin_canny::Shape::ball(0.02).expect("a ball");
-    let id = checker
-        .cell_mut()
-        .attach("gripper", "part", part, grip, &fingers)
-        .expect("a part");
+    let id = checker.cell_mut().carry("gripper", "part", part, grip, &fingers);
     for _ in 0..20 {
         let q = sample(checker.space(), &mut random);
         let link = places(&robot, &Isometry3::identity(), &q)[robot.link("gripper").expect("a link")];

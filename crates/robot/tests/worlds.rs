@@ -12,6 +12,7 @@ use lin_canny_robot::lin_canny::{
 use lin_canny_robot::plan::{Cell, CellBody, Checker, ConfigurationSpace, JointTree};
 use lin_canny_robot::record::{Cursor, Recording};
 use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, RobotRecorder};
+use truth::plans::{Furnish, cuboid};
 use truth::rng::Rng;
 
 /// The rows of a section of the cases.
@@ -79,7 +80,7 @@ fn pose(rng: &mut Rng, far: f64) -> Isometry3<f64> {
 fn geometry(rng: &mut Rng, is_bounded: bool) -> Geometry {
     let mut size = || rng.range(0.05, 0.2);
     let [x, y, z] = [size(), size(), size()];
-    let block = solids::cuboid(Vector3::new(x, y, z)).expect("a box");
+    let block = cuboid([x, y, z]);
     let kind = rng.below(if is_bounded { 11 } else { 12 });
     let mut points = || -> Vec<Point3<f64>> {
         let draw = |_| Point3::from(Vector3::from_fn(|_, _| rng.range(-0.3, 0.3)));
@@ -247,7 +248,7 @@ fn a_world_that_was_saved_and_loaded_answers_as_before_1000_times() {
 fn solids_have_their_names_in_the_file() {
     let mut checker = Checker::of_robots(setup()).expect("a checker");
     let at = Isometry3::translation(0.0, 0.0, 2.0);
-    let block = solids::cuboid(Vector3::new(0.1, 0.2, 0.3)).expect("a box");
+    let block = cuboid([0.1, 0.2, 0.3]);
     for (name, geometry) in [
         ("a", Geometry::from(block.clone())),
         ("b", Shape::ball(0.1).expect("a ball").into()),
@@ -256,10 +257,7 @@ fn solids_have_their_names_in_the_file() {
         ("e", HalfSpace::new(Vector3::z(), -2.5).expect("a half-space").into()),
         ("f", Mesh::from_convex(&block).expect("a mesh").into()),
     ] {
-        checker
-            .cell_mut()
-            .add_obstacle(name, geometry, at)
-            .expect("an obstacle");
+        checker.cell_mut().put(name, geometry, at);
     }
     checker.cell_mut().pad("f", 0.01).expect("a padding");
     checker.cell_mut().pad("a", 0.02).expect("a padding");
@@ -315,14 +313,11 @@ fn wrong_worlds_are_named() {
     }
     let mut checker = checker(r#""margin": 0.1"#).expect("a checker");
     assert_eq!(checker.cell().margin(), 0.1);
-    checker
-        .cell_mut()
-        .add_obstacle(
-            "x#3",
-            Shape::ball(1.0).expect("a ball"),
-            Isometry3::translation(0.0, 9.0, 0.0),
-        )
-        .expect("a ball");
+    checker.cell_mut().put(
+        "x#3",
+        Shape::ball(1.0).expect("a ball"),
+        Isometry3::translation(0.0, 9.0, 0.0),
+    );
     let mut cell = CellFile::from_cell(checker.cell());
     cell.obstacles[2].pose.translation.x = f64::NAN;
     let error = cell.to_json().err().map(|error| error.to_string()).unwrap_or_default();
@@ -335,14 +330,8 @@ fn a_recording_shows_the_world_as_it_is_in_each_frame() {
     let q = [0.0, 0.0, 0.1];
     let at = |x: f64| Isometry3::translation(x, 0.0, 2.0);
     let ball = Geometry::from(Shape::ball(0.1).expect("a ball"));
-    checker
-        .cell_mut()
-        .add_obstacle("part", ball.clone(), at(0.0))
-        .expect("an obstacle");
-    checker
-        .cell_mut()
-        .add_obstacle("post", ball.clone(), at(1.0))
-        .expect("an obstacle");
+    checker.cell_mut().put("part", ball.clone(), at(0.0));
+    checker.cell_mut().put("post", ball.clone(), at(1.0));
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("changes.jsonl");
     let mut recorder = RobotRecorder::create(&file, &checker, &q).expect("a file");
     let mut frame = |checker: &mut Checker<JointTree>| {
@@ -352,10 +341,7 @@ fn a_recording_shows_the_world_as_it_is_in_each_frame() {
     frame(&mut checker);
     // The part stays the same body when a link takes it and puts it down.
     checker.cell_mut().remove_obstacle("part").expect("a part");
-    checker
-        .cell_mut()
-        .attach("tool", "part", ball.clone(), at(0.0), &[])
-        .expect("a part");
+    checker.cell_mut().carry("tool", "part", ball.clone(), at(0.0), &[]);
     frame(&mut checker);
     checker.detach_at("part", &q).expect("a part");
     checker.cell_mut().move_obstacle("post", at(2.0)).expect("a post");

@@ -4,7 +4,7 @@
 //! Most modules work on plain data: a point is `[f64; 3]`, a face is a list of point indices
 //! counter-clockwise from outside, a pose is [`Pose`]. So a judge never uses the code that it
 //! judges. Only [`arm`], [`boxes`], [`casts`], [`crowd`], [`curved`], [`driven`], [`forms`],
-//! [`pairs`], [`rooms`], [`support`] and [`contacts`] use types of the crate.
+//! [`pairs`], [`plans`], [`rooms`], [`support`] and [`contacts`] use types of the crate.
 //!
 //! | module | contents |
 //! |---|---|
@@ -14,6 +14,7 @@
 //! | [`boxes`], [`crowd`] | scenes of moving boxes, and of moving hulls |
 //! | [`contacts`] | scenes of two bodies in contact |
 //! | [`casts`] | bodies thrown at each other, and conservative advancement |
+//! | [`plans`] | cells and motions as tests of the planner write them |
 //! | [`rooms`] | rooms full of hulls, and a robot that moves through them |
 //! | [`cells`], [`arm`] | an arm of meshes in its cell; an arm of hulls in its cell, drawn |
 //! | [`support`], [`forms`] | plain data as bodies and poses of the crate; bodies of every kind |
@@ -68,6 +69,7 @@ pub mod nets;
 pub mod pairs;
 pub mod parry;
 pub mod paths;
+pub mod plans;
 pub mod pose;
 pub mod rational;
 #[path = "../../../tests/support/rng.rs"]

@@ -260,6 +260,24 @@ pub fn screw(turns: usize, n: usize) -> Soup {
     Soup { points, triangles }
 }
 
+/// Returns a box of twelve triangles. Point `i + 2 j + 4 k` has the low or high `x` by `i`, `y` by `j`
+/// and `z` by `k`.
+pub fn cuboid(low: Point, high: Point) -> Soup {
+    let corner = |m: usize| std::array::from_fn(|i| if m >> i & 1 == 1 { high[i] } else { low[i] });
+    let sides = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    Soup {
+        points: (0..8).map(corner).collect(),
+        triangles: sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+    }
+}
+
 /// Returns a box of half extents `h` whose sides have `n` by `n` squares each: `12 n^2` triangles.
 pub fn plate(n: usize, h: Point) -> Soup {
     let mut points = Vec::new();

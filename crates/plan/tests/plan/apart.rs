@@ -5,9 +5,10 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, HalfSpace, Mesh, Shape};
 use lin_canny_plan::{
-    Cell, CellBody, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, TimedPoses,
-    TreeJoint, Verdict,
+    Cell, CellBody, Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, TimedPoses, TreeJoint,
+    Verdict,
 };
+use truth::plans::{Ask, Furnish, bezier, tubed};
 use truth::rng::Rng;
 
 const CARTS: usize = 3;
@@ -59,27 +60,23 @@ fn scene(rng: &mut Rng, is_moving: bool) -> Checker<JointTree> {
         cell.robot_body(name, geometry(rng));
     }
     let floor = Isometry3::translation(0.0, 0.0, -0.35);
-    cell.add_obstacle("floor", HalfSpace::new(Vector3::z(), 0.0).expect("a half-space"), floor)
-        .expect("an obstacle");
+    cell.put("floor", HalfSpace::new(Vector3::z(), 0.0).expect("a half-space"), floor);
     let corner =
         |rng: &mut Rng| Isometry3::translation(rng.range(-1.5, 1.5), rng.range(-1.5, 1.5), rng.range(-0.1, 0.1));
-    cell.add_obstacle("post", geometry(rng), corner(rng))
-        .expect("an obstacle");
+    cell.put("post", geometry(rng), corner(rng));
     if is_moving {
         let poses = [corner(rng), corner(rng)];
-        cell.add_moving_obstacle(
+        cell.put_moving(
             "drone",
             geometry(rng),
             TimedPoses::new(&[0.0, 1.0], &poses).expect("poses"),
-        )
-        .expect("an obstacle");
+        );
     }
     let mut checker = Checker::new(carts(9.0), cell).expect("a world");
     let grip = Isometry3::translation(rng.range(-0.3, 0.3), rng.range(-0.3, 0.3), rng.range(-0.1, 0.1));
     checker
         .cell_mut()
-        .attach("cart 0", "load", geometry(rng), grip, &["cart 0"])
-        .expect("a load");
+        .carry("cart 0", "load", geometry(rng), grip, &["cart 0"]);
     if rng.chance(0.7) {
         checker
             .cell_mut()
@@ -152,7 +149,7 @@ fn judged(cases: u64, places: u32, seed: u64) -> Tally {
         let way = [0.05, 0.3, 1.0][rng.below(3)];
         let to: Vec<f64> = from.iter().map(|x| x + rng.range(-way, way)).collect();
         let middle: Vec<f64> = from.iter().map(|x| x + rng.range(-way, way)).collect();
-        let curve = JointCurve::bezier(&[from.clone(), middle, to.clone()]).expect("a curve");
+        let curve = bezier(&[from.clone(), middle, to.clone()]);
         let curve = if mode == 1 {
             curve.with_times([0.0, 1.0]).expect("times")
         } else {
@@ -174,10 +171,7 @@ fn judged(cases: u64, places: u32, seed: u64) -> Tally {
                 checker.certify(&JointMotion::segment(&from, &to).with_radius(radius).expect("a motion")),
                 None,
             ),
-            3 => (
-                checker.certify(&JointMotion::curve(&curve).with_tube(&tube).expect("a motion")),
-                None,
-            ),
+            3 => (checker.certify(&tubed(&curve, &tube)), None),
             _ => {
                 checker.set_start_contact_margin(Some(contact)).expect("a margin");
                 (
@@ -268,7 +262,7 @@ fn margins_at_the_distance_of_the_boxes_are_decided() {
         let radius = rng.log_range(1e-20, 1e20);
         let gap = radius * rng.log_range(1e-3, 10.0);
         let (mut checker, [from, to]) = passing(radius, 2.0 * radius + gap);
-        let curve = JointCurve::bezier(&[&from, &from, &to]).expect("a curve");
+        let curve = bezier(&[&from, &from, &to]);
         let tube = [0.0, 0.5, 0.0].repeat(CARTS);
         for off in [-1e-3, -1e-6, -1e-9, 0.0, 1e-9, 1e-6, 1e-3] {
             let kept = gap * (1.0 + off);
@@ -290,7 +284,7 @@ fn margins_at_the_distance_of_the_boxes_are_decided() {
                 ),
             );
             let tube: Vec<f64> = tube.iter().map(|x| x * kept).collect();
-            found.push(checker.certify(&JointMotion::curve(&curve).with_tube(&tube).expect("a motion")));
+            found.push(checker.certify(&tubed(&curve, &tube)));
             checker
                 .cell_mut()
                 .set_pair_margin("0", "1", Some(kept))
@@ -341,7 +335,7 @@ fn contacts_at_the_start_are_listed_up_to_their_margin() {
         ] {
             checker.cell_mut().set_margin(margin * gap).expect("a margin");
             checker.set_start_contact_margin(Some(contact * gap)).expect("a margin");
-            let verdict = checker.certify(&JointMotion::segment(&from, &to)).expect("a motion");
+            let verdict = checker.verdict_of(&JointMotion::segment(&from, &to));
             assert_eq!(
                 verdict.is_free(),
                 contact > 1.0 || margin < 1.0,

@@ -4,8 +4,9 @@ use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
-    Cell, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, RigidSpace, TreeJoint,
+    Cell, Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, RigidSpace, TreeJoint,
 };
+use truth::plans::{Ask, Furnish, bezier};
 
 /// The ends of the arc, in radians.
 const ENDS: [f64; 2] = [0.3, -0.3];
@@ -45,7 +46,7 @@ fn lever(far: f64, is_own: bool, unit: f64) -> Checker<JointTree> {
         cell.robot_body("post", post);
         links.push(3);
     } else {
-        cell.add_obstacle("post", post, at).expect("an obstacle");
+        cell.put("post", post, at);
     }
     let radii = vec![0.0, 0.0, unit, 2.0 * unit];
     let lever = JointTree::new(Isometry3::identity(), joints, vec![[-3.0, 3.0]], links, radii).expect("a lever");
@@ -57,7 +58,7 @@ fn propeller(far: f64, unit: f64) -> Checker<RigidSpace> {
     let mut cell = Cell::new();
     cell.robot_body("rod", rod(1.0, unit));
     let (post, at) = post(far, unit);
-    cell.add_obstacle("post", post, at).expect("an obstacle");
+    cell.put("post", post, at);
     let space = RigidSpace::new([[-4.0 * unit, 4.0 * unit]; 3], unit, 1).expect("a space");
     Checker::new(space, cell).expect("a world")
 }
@@ -65,10 +66,7 @@ fn propeller(far: f64, unit: f64) -> Checker<RigidSpace> {
 fn agrees<C: ConfigurationSpace>(checker: &mut Checker<C>, ends: [&[f64]; 2], is_free: bool, what: &str) {
     for [from, to] in [ends, [ends[1], ends[0]]] {
         assert_eq!(
-            checker
-                .certify(&JointMotion::segment(from, to))
-                .expect("a segment")
-                .is_free(),
+            checker.is_free_along(&JointMotion::segment(from, to)),
             is_free,
             "{what}"
         );
@@ -87,8 +85,8 @@ fn judge(far: f64, unit: f64) {
         agrees(&mut checker, [&ENDS[..1], &ENDS[1..]], is_free, &what);
         let [a, b] = ENDS;
         for points in [&[[a], [b]][..], &[[a], [0.3 * a], [0.3 * b], [b]]] {
-            let curve = JointCurve::bezier(points).expect("a curve");
-            let verdict = checker.certify(&JointMotion::curve(&curve)).expect("a curve");
+            let curve = bezier(points);
+            let verdict = checker.verdict_of(&JointMotion::curve(&curve));
             assert_eq!(verdict.is_free(), is_free, "{what}, {} points", points.len());
         }
     }

@@ -2,11 +2,11 @@
 
 use cpu_time::ThreadTime;
 use lin_canny::Progress;
-use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::polyhedron::solids;
+use lin_canny::nalgebra::Isometry3;
 use lin_canny_plan::{Checker, ConfigurationSpace, JointMotion, JointTree, PlanOptions, RrtConnect, Shortcuts};
 use std::time::Duration;
 use truth::arm::{self, motion};
+use truth::plans::{Ask, Furnish, cuboid};
 
 /// The cell with a wall that the arm can pass through a window alone, so many metres high.
 fn checker(window: f64) -> Checker<JointTree> {
@@ -18,21 +18,15 @@ fn checker(window: f64) -> Checker<JointTree> {
         ("lintel", 0.65, [SILL + window, TOP]),
         ("back wall", -0.65, [0.0, TOP]),
     ] {
-        let wall = solids::cuboid(Vector3::new(0.5, 0.01, 0.5 * (high - low))).expect("a box");
-        cell.add_obstacle(name, wall, Isometry3::translation(x, 0.0, 0.5 * (low + high)))
-            .expect("an obstacle");
+        let wall = cuboid([0.5, 0.01, 0.5 * (high - low)]);
+        cell.put(name, wall, Isometry3::translation(x, 0.0, 0.5 * (low + high)));
     }
     Checker::new(arm, cell).expect("a cell")
 }
 
 /// Every configuration of a dense sample is apart, by distances alone.
 fn judge(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) {
-    assert!(
-        checker
-            .certify(&JointMotion::path(path).expect("a motion"))
-            .expect("a path")
-            .is_free()
-    );
+    assert!(checker.is_free_along(&JointMotion::path(path).expect("a motion")));
     for ends in path.windows(2) {
         for k in 0..=200 {
             let q = checker.space().between(&ends[0], &ends[1], f64::from(k) / 200.0);

@@ -6,10 +6,10 @@ use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, PairTracker, RelativePose};
 use lin_canny_plan::{
-    Cell, CellBody, Checker, Drive, JointCurve, JointKind, JointMotion, JointTree, RangeOptions, RangeProver,
-    RangeVerdict, TreeJoint, Verdict,
+    Cell, CellBody, Checker, Drive, JointKind, JointMotion, JointTree, RangeOptions, RangeVerdict, TreeJoint, Verdict,
 };
 use truth::casts::rotation;
+use truth::plans::{Ask, Furnish, bezier};
 use truth::rng::Rng;
 
 /// A joint as the judge knows it.
@@ -78,8 +78,7 @@ impl Robot {
             let body = solids::cuboid(half).expect("a box");
             let place = rng.range(0.4, 1.6) * Vector3::from(rng.unit());
             let pose = Isometry3::from_parts(place.into(), rotation(rng));
-            cell.add_obstacle(format!("box {k}"), body.clone(), pose)
-                .expect("an obstacle");
+            cell.put(format!("box {k}"), body.clone(), pose);
             obstacles.push((body, pose));
         }
         let (coordinates, radii) = (limits.len(), vec![0.6; joints.len() + 1]);
@@ -160,7 +159,7 @@ fn judged(trees: Range<u64>, places: u32) -> [u32; 5] {
                 "{seed}"
             );
         }
-        let curve = JointCurve::bezier(&rows).expect("a curve");
+        let curve = bezier(&rows);
         let line = |t: f64| -> Vec<f64> { from.iter().zip(&rows[1]).map(|(a, b)| a + (b - a) * t).collect() };
         for (motion, at) in [
             (
@@ -169,7 +168,7 @@ fn judged(trees: Range<u64>, places: u32) -> [u32; 5] {
             ),
             (JointMotion::curve(&curve), &|t| curve.at(t)),
         ] {
-            let verdict = robot.checker.certify(&motion).expect("a motion");
+            let verdict = robot.checker.verdict_of(&motion);
             let until = verdict.free_until();
             match verdict {
                 Verdict::Free { .. } => counts[0] += 1,
@@ -188,9 +187,7 @@ fn judged(trees: Range<u64>, places: u32) -> [u32; 5] {
         let half = rng.range(0.01, 0.2);
         let [low, high] = [-half, half].map(|by| from.iter().map(|x| (x + by).clamp(-4.0, 4.0)).collect::<Vec<f64>>());
         let options = RangeOptions::default().cells(100);
-        let answers = RangeProver::new(&options)
-            .all_pairs(&mut robot.checker, &low, &high)
-            .expect("a range");
+        let answers = robot.checker.answers_over(&options, &low, &high);
         let never = answers
             .iter()
             .filter(|answer| answer.verdict == RangeVerdict::Never)

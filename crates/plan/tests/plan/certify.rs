@@ -2,12 +2,12 @@
 
 use crate::judge::{first_contact, meet, replay};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
 use lin_canny::{Compound, Mesh, Piece, Shape, Tracker};
 use lin_canny_plan::{
     Cell, CellBody, Checker, ConfigurationSpace, JointMotion, PlanError, RigidSpace, TranslationSpace, Verdict,
 };
+use truth::plans::{Ask, Furnish, cuboid};
 use truth::rng::Rng;
 use truth::rooms::Room;
 
@@ -33,7 +33,7 @@ fn judge(n: usize, segments: u64, steps: usize) -> Tally {
         let ends = [&from, &to];
         let [p, q] = ends.map(RigidSpace::configuration);
         let before = checker.work();
-        let verdict = checker.certify(&JointMotion::segment(&p, &q)).expect("a segment");
+        let verdict = checker.verdict_of(&JointMotion::segment(&p, &q));
         match verdict {
             Verdict::Free { .. } => {
                 tally.free += 1;
@@ -109,11 +109,10 @@ fn ten_thousand_segments_are_judged_right() {
 fn splines_within_a_tube_are_free() {
     let mut cell = Cell::new();
     cell.robot_body("ball", Shape::ball(0.1).expect("a ball"));
-    let block = solids::cuboid(Vector3::new(0.2, 0.2, 0.2)).expect("a cuboid");
+    let block = cuboid([0.2, 0.2, 0.2]);
     let at = [[0.0, 0.7, 0.0], [0.0, -0.9, 0.1], [0.5, 0.1, 0.8], [-0.3, 0.2, -0.7]];
     for (k, [x, y, z]) in at.into_iter().enumerate() {
-        cell.add_obstacle(k, block.clone(), Isometry3::translation(x, y, z))
-            .expect("an obstacle");
+        cell.put(k, block.clone(), Isometry3::translation(x, y, z));
     }
     let space = TranslationSpace::new([[-2.0, 2.0]; 3], Default::default(), 1).expect("a space");
     let mut checker = Checker::new(space, cell).expect("a checker");
@@ -126,9 +125,7 @@ fn splines_within_a_tube_are_free() {
     let (mut free, mut blocked) = (0, 0);
     for k in 0..200 {
         let radius = (0.01 * f64::from(k) + 0.005) * clearance;
-        let verdict = checker
-            .certify(&JointMotion::segment(&from, &to).with_radius(radius).expect("a motion"))
-            .expect("a segment");
+        let verdict = checker.verdict_of(&JointMotion::segment(&from, &to).with_radius(radius).expect("a motion"));
         assert_eq!(checker.cell().margin(), 0.0);
         assert_eq!(
             verdict.is_free(),
@@ -193,13 +190,8 @@ fn fixed_steps_miss_what_certificates_find() {
 #[test]
 fn margins_are_kept() {
     let mut cell = Cell::new();
-    cell.robot_body("die", solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
-    cell.add_obstacle(
-        "wall",
-        solids::cuboid(Vector3::new(1.0, 3.0, 3.0)).expect("a box"),
-        Isometry3::translation(3.0, 0.0, 0.0),
-    )
-    .expect("an obstacle");
+    cell.robot_body("die", cuboid([0.5; 3]));
+    cell.put("wall", cuboid([1.0, 3.0, 3.0]), Isometry3::translation(3.0, 0.0, 0.0));
     let space = TranslationSpace::new([[-5.0, 5.0]; 3], Default::default(), 1).expect("a space");
     let mut checker = Checker::new(space, cell).expect("a world");
     // The faces are 0.25 apart on the way.
@@ -223,9 +215,7 @@ fn margins_are_kept() {
         "{found:?}"
     );
     // Towards the wall, past the middle: contact at x = 1.5.
-    let verdict = checker
-        .certify(&JointMotion::segment(&[-1.0, 0.0, 0.0], &[4.0, 0.0, 0.0]))
-        .expect("a segment");
+    let verdict = checker.verdict_of(&JointMotion::segment(&[-1.0, 0.0, 0.0], &[4.0, 0.0, 0.0]));
     let Verdict::Blocked {
         free_until: safe,
         contact_at: t,
@@ -289,12 +279,11 @@ fn clearances_are_those_of_all_pairs() {
         cell.robot_body("ball", Shape::ball(0.3).expect("a ball"));
         for k in 0..side * side {
             let at = Vector3::new(f64::from(k % side), f64::from(k / side), 0.0);
-            cell.add_obstacle(
+            cell.put(
                 k,
                 Shape::ball(0.2).expect("a ball"),
                 Isometry3::from_parts(at.into(), Default::default()),
-            )
-            .expect("an obstacle");
+            );
         }
         let space = TranslationSpace::new([[0.0, 40.0]; 3], Default::default(), 1).expect("a space");
         let mut checker = Checker::new(space, cell).expect("a world");
@@ -311,16 +300,13 @@ fn clearances_are_those_of_all_pairs() {
 #[test]
 fn a_turn_is_more_than_its_ends() {
     let mut cell = Cell::new();
-    cell.robot_body("rod", solids::cuboid(Vector3::new(1.0, 0.02, 0.02)).expect("a box"));
-    let post = solids::cuboid(Vector3::repeat(0.01)).expect("a box");
-    cell.add_obstacle("post", post, Isometry3::translation(0.6, 0.6, 0.0))
-        .expect("an obstacle");
+    cell.robot_body("rod", cuboid([1.0, 0.02, 0.02]));
+    let post = cuboid([0.01; 3]);
+    cell.put("post", post, Isometry3::translation(0.6, 0.6, 0.0));
     let space = RigidSpace::new([[-1.0, 1.0]; 3], 1.0, 1).expect("a space");
     let mut checker = Checker::new(space, cell).expect("a world");
     let at = |angle: f64| RigidSpace::configuration(&Isometry3::rotation(Vector3::z() * angle));
-    let verdict = checker
-        .certify(&JointMotion::segment(&at(0.0), &at(1.57)))
-        .expect("a segment");
+    let verdict = checker.verdict_of(&JointMotion::segment(&at(0.0), &at(1.57)));
     let Verdict::Blocked { contact_at: t, .. } = verdict else {
         panic!("{verdict:?}")
     };
@@ -335,7 +321,7 @@ fn a_turn_is_more_than_its_ends() {
 /// Obstacles of every kind of shape, judged by distance: a ball flies at each of them and past it.
 #[test]
 fn obstacles_of_every_kind() {
-    let die = || solids::cuboid(Vector3::repeat(0.5)).expect("a box");
+    let die = || cuboid([0.5; 3]);
     let kinds: Vec<(&str, lin_canny::Geometry)> = vec![
         ("polyhedron", die().into()),
         ("ball", Shape::ball(0.5).expect("a ball").into()),
@@ -349,14 +335,11 @@ fn obstacles_of_every_kind() {
     for (name, shape) in kinds {
         let mut cell = Cell::new();
         cell.robot_body("die", die());
-        cell.add_obstacle(name, shape, Isometry3::translation(0.0, 0.0, 0.0))
-            .expect("an obstacle");
+        cell.put(name, shape, Isometry3::translation(0.0, 0.0, 0.0));
         let space = RigidSpace::new([[-9.0, 9.0]; 3], 0.9, 1).expect("a space");
         let mut checker = Checker::new(space, cell).expect("a world");
         let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, -0.1));
-        let verdict = checker
-            .certify(&JointMotion::segment(&at(-3.0, 0.0), &at(3.0, 0.0)))
-            .expect("a segment");
+        let verdict = checker.verdict_of(&JointMotion::segment(&at(-3.0, 0.0), &at(3.0, 0.0)));
         let Verdict::Blocked {
             free_until: safe,
             contact_at: t,
@@ -414,28 +397,23 @@ fn bad_input_is_named() {
             near: None
         })
     );
-    cell.add_obstacle(
+    cell.put(
         "bead",
         Mesh::from_convex(&room.robot).expect("a mesh"),
         Isometry3::identity(),
-    )
-    .expect("an obstacle");
+    );
     let mut round = Cell::new();
     round.robot_body("ball", Shape::ball(1.0).expect("a ball"));
-    round
-        .add_obstacle(
-            "bead",
-            Mesh::from_convex(&room.robot).expect("a mesh"),
-            Isometry3::identity(),
-        )
-        .expect("an obstacle");
+    round.put(
+        "bead",
+        Mesh::from_convex(&room.robot).expect("a mesh"),
+        Isometry3::identity(),
+    );
     assert!(Checker::new(room.space(), round).is_ok());
     let mesh = Mesh::from_convex(&room.robot).expect("a mesh");
     let mut curved = Cell::new();
     let patches = BezierSurface::from_mesh(&mesh).expect("a surface");
     curved.robot_body("bracket", mesh);
-    curved
-        .add_obstacle("dome", patches, Isometry3::identity())
-        .expect("an obstacle");
+    curved.put("dome", patches, Isometry3::identity());
     assert!(Checker::new(room.space(), curved).is_ok());
 }

@@ -2,21 +2,17 @@
 //! move with their links; every pair keeps its own margin.
 
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use lin_canny::polyhedron::solids;
-use lin_canny::{ConvexPolyhedron, Geometry, Mesh, PairTracker, RelativePose, Shape};
+use lin_canny::{Geometry, Mesh, PairTracker, RelativePose, Shape};
 use lin_canny_plan::receipt::Receipt;
 use lin_canny_plan::{
     Cell, CellBody, CellPair, Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, PairBoxes,
     PlanError, PlanOptions, RangeOptions, RangeProver, RigidSpace, RrtConnect, Shortcuts, TreeJoint, Verdict, widen,
 };
 use std::ops::ControlFlow;
+use truth::plans::{Ask, Furnish, cuboid};
 use truth::rng::Rng;
 
 const LIMITS: [f64; 2] = [-2.5, 2.5];
-
-fn cuboid(x: f64, y: f64, z: f64) -> ConvexPolyhedron {
-    solids::cuboid(Vector3::new(x, y, z)).expect("a box")
-}
 
 /// Three links and a tool frame without geometry.
 fn arm() -> JointTree {
@@ -46,7 +42,7 @@ fn arm() -> JointTree {
 fn cell() -> Cell {
     let mut cell = Cell::new();
     let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
-    let rod = |half: f64| cuboid(half, 0.07, 0.06).transformed(&at(half)).expect("a rod");
+    let rod = |half: f64| cuboid([half, 0.07, 0.06]).transformed(&at(half)).expect("a rod");
     cell.robot_body("upper", rod(0.45));
     cell.robot_body("fore", Mesh::from_convex(&rod(0.4)).expect("a mesh"));
     cell.robot_body("hand", rod(0.1));
@@ -66,7 +62,7 @@ fn pose(rng: &mut Rng, far: f64) -> Isometry3<f64> {
 
 fn geometry(rng: &mut Rng) -> Geometry {
     let mut size = || rng.range(0.05, 0.2);
-    let block = cuboid(size(), size(), size());
+    let block = cuboid([size(), size(), size()]);
     match rng.below(4) {
         0 => Shape::ball(0.1).expect("a ball").into(),
         1 => Mesh::from_convex(&block).expect("a mesh").into(),
@@ -256,21 +252,16 @@ fn loaded(rng: &mut Rng) -> Checker<JointTree> {
     for k in 0..12 {
         let at = pose(rng, 1.8);
         if at.translation.vector.norm() > 0.8 {
-            checker
-                .cell_mut()
-                .add_obstacle(k, geometry(rng), at)
-                .expect("an obstacle");
+            checker.cell_mut().put(k, geometry(rng), at);
         }
     }
     let grip = ["hand", "tool"];
     checker
         .cell_mut()
-        .attach("tool", "part", geometry(rng), pose(rng, 0.15), &grip)
-        .expect("a part");
+        .carry("tool", "part", geometry(rng), pose(rng, 0.15), &grip);
     checker
         .cell_mut()
-        .attach("upper", "pack", geometry(rng), pose(rng, 0.4), &["fore"])
-        .expect("a pack");
+        .carry("upper", "pack", geometry(rng), pose(rng, 0.4), &["fore"]);
     checker.cell_mut().set_margin(0.01).expect("a margin");
     checker.cell_mut().pad("part", 0.03).expect("a padding");
     checker.cell_mut().pad("hand", 0.005).expect("a padding");
@@ -351,7 +342,7 @@ fn judge_verdicts(motions: usize, places: usize, seed: u64) -> [usize; 2] {
         let q = sample(&mut rng);
         let by = [0; 3].map(|_| rng.range(-0.5, 0.5));
         let p = checker.space().moved(&q, &by);
-        let verdict = checker.certify(&JointMotion::segment(&q, &p)).expect("a segment");
+        let verdict = checker.verdict_of(&JointMotion::segment(&q, &p));
         let proof = crate::prove(&mut checker, &JointMotion::segment(&q, &p)).expect("a segment");
         assert_eq!(proof.is_some(), verdict.is_free());
         let all = pairs(&checker);
@@ -403,8 +394,7 @@ fn a_change_of_one_obstacle_measures_its_own_pairs_alone() {
     let mut cell = cell();
     for k in 0..1000 {
         let (x, y) = (f64::from(k % 32), f64::from(k / 32));
-        cell.add_obstacle(k, Shape::ball(0.2).expect("a ball"), Isometry3::translation(x, y, 0.5))
-            .expect("an obstacle");
+        cell.put(k, Shape::ball(0.2).expect("a ball"), Isometry3::translation(x, y, 0.5));
     }
     let mut checker = Checker::new(arm(), cell).expect("a world");
     let q = [0.3, 0.1, 0.1];
@@ -416,14 +406,13 @@ fn a_change_of_one_obstacle_measures_its_own_pairs_alone() {
         checker.cell_mut().move_obstacle("500", at).expect("an obstacle");
         checker
             .cell_mut()
-            .replace_obstacle("501", cuboid(0.1, 0.1, 0.1))
+            .replace_obstacle("501", cuboid([0.1, 0.1, 0.1]))
             .expect("an obstacle");
     }
     assert_eq!(checker.work().pairs_made, made);
     let id = checker
         .cell_mut()
-        .add_obstacle("new", cuboid(0.1, 0.1, 0.1), Isometry3::translation(0.0, 2.0, 0.0))
-        .expect("an obstacle");
+        .put("new", cuboid([0.1, 0.1, 0.1]), Isometry3::translation(0.0, 2.0, 0.0));
     assert_eq!(checker.work().pairs_made, made + 3);
     checker.cell_mut().remove_obstacle(id).expect("an obstacle");
     checker.cell_mut().exclude("upper", "500").expect("names");
@@ -436,20 +425,14 @@ fn removed_bodies_and_unknown_names_are_errors_that_say_so() {
     let mut checker = Checker::new(arm(), cell()).expect("a world");
     let at = Isometry3::translation(0.0, 3.0, 0.0);
     let ball = || Shape::ball(0.1).expect("a ball");
-    let post = checker
-        .cell_mut()
-        .add_obstacle("post", ball(), at)
-        .expect("an obstacle");
+    let post = checker.cell_mut().put("post", ball(), at);
     assert_eq!(checker.cell_mut().remove_obstacle(post), Ok(vec![post]));
     assert_eq!(
         checker.cell_mut().move_obstacle(post, at),
         Err(PlanError::Removed(post))
     );
     assert_eq!(post.to_string(), "obstacle 0");
-    let next = checker
-        .cell_mut()
-        .add_obstacle("post", ball(), at)
-        .expect("an obstacle");
+    let next = checker.cell_mut().put("post", ball(), at);
     assert_eq!(next, CellBody::Obstacle(1));
     let text = |error: PlanError| error.to_string();
     let missing = checker
@@ -473,10 +456,7 @@ fn removed_bodies_and_unknown_names_are_errors_that_say_so() {
         let name = (checker.cell().free_name("twin") == name)
             .then_some(name)
             .expect("a free name");
-        checker
-            .cell_mut()
-            .attach(link, name, ball(), Isometry3::identity(), &[])
-            .expect("an object");
+        checker.cell_mut().carry(link, name, ball(), Isometry3::identity(), &[]);
     }
     for taken in ["twin", "hand", "tool"] {
         let error = checker
@@ -511,9 +491,9 @@ fn a_world_that_does_not_fit_is_an_error_of_every_call() {
     let free = checker.is_free_at(&q);
     let motion = JointMotion::segment(&q, &p);
     let mut more = good.clone();
-    let extra = more.robot_body("extra", cuboid(0.1, 0.1, 0.1));
+    let extra = more.robot_body("extra", cuboid([0.1, 0.1, 0.1]));
     let faults: [fn(&mut Cell, Cell); 3] = [
-        |cell, _| _ = cell.robot_body("extra", cuboid(0.1, 0.1, 0.1)),
+        |cell, _| _ = cell.robot_body("extra", cuboid([0.1, 0.1, 0.1])),
         |cell, _| *cell = Cell::new(),
         |cell, more| *cell = more,
     ];
@@ -561,10 +541,7 @@ fn an_object_that_is_put_down_stays_where_it_was() {
     for _ in 0..30 {
         let mut checker = Checker::new(arm(), cell()).expect("a world");
         let (shape, grip, q) = (geometry(&mut rng), pose(&mut rng, 0.2), sample(&mut rng));
-        let id = checker
-            .cell_mut()
-            .attach("tool", "part", shape, grip, &["hand"])
-            .expect("a part");
+        let id = checker.cell_mut().carry("tool", "part", shape, grip, &["hand"]);
         let at = checker.pose(id, &q).expect("a pose");
         let link = checker.link_pose("tool", &q).expect("a pose");
         assert!(((link * grip).translation.vector - at.translation.vector).norm() < 1e-12);
@@ -610,25 +587,21 @@ fn gradients_equal_finite_differences() {
 #[test]
 fn gradients_of_rigid_bodies_equal_finite_differences() {
     let mut cell = Cell::new();
-    cell.robot_body("plank", cuboid(0.5, 0.1, 0.05));
-    cell.add_obstacle(
+    cell.robot_body("plank", cuboid([0.5, 0.1, 0.05]));
+    cell.put(
         "ball",
         Shape::ball(0.2).expect("a ball"),
         Isometry3::translation(0.2, 1.0, 0.3),
-    )
-    .expect("an obstacle");
+    );
     let space = RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1).expect("a space");
     let mut checker = Checker::new(space, cell).expect("a world");
-    checker
-        .cell_mut()
-        .attach(
-            "plank",
-            "knob",
-            Shape::ball(0.2).expect("a ball"),
-            Isometry3::translation(0.4, 0.2, 0.0),
-            &[],
-        )
-        .expect("a knob");
+    checker.cell_mut().carry(
+        "plank",
+        "knob",
+        Shape::ball(0.2).expect("a ball"),
+        Isometry3::translation(0.4, 0.2, 0.0),
+        &[],
+    );
     let mut rng = Rng::new(29);
     for _ in 0..50 {
         let q = RigidSpace::configuration(&pose(&mut rng, 0.3));
@@ -708,7 +681,7 @@ fn worlds_and_answers_are_stored() {
             assert_eq!(ask(&mut read, question, &q, &p), ask(&mut checker, question, &q, &p));
             read.forget();
         }
-        let verdict = checker.certify(&JointMotion::segment(&q, &p)).expect("a segment");
+        let verdict = checker.verdict_of(&JointMotion::segment(&q, &p));
         let text = serde_json::to_string(&verdict).expect("a verdict");
         assert_eq!(serde_json::from_str::<Verdict>(&text).expect("a verdict"), verdict);
     }

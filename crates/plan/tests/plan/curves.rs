@@ -8,7 +8,10 @@ use lin_canny_plan::{
     JointTube, PlanError, PlanarSpace, RigidSpace, SegmentMotion, TranslationSpace, TreeJoint, Verdict,
 };
 use truth::arm::chain::posts;
+use truth::plans::{Ask, Furnish, bezier, tubed};
 use truth::rng::Rng;
+
+use crate::judge::Counts;
 
 fn chain(joints: usize) -> (JointTree, Cell) {
     truth::arm::chain::chain(joints, [-1e3, 1e3]).expect("an arm")
@@ -104,15 +107,6 @@ fn control_points(rng: &mut Rng, from: &[f64], to: &[f64], degree: usize, wild: 
     (0..=degree).map(|j| point(j, rng)).collect()
 }
 
-#[derive(Debug, Default)]
-struct Counts {
-    free: u32,
-    blocked: u32,
-    undecided: u32,
-    queries: u64,
-    widest: f64,
-}
-
 /// Certifies random curves of degree 1 to 7, and judges each at `places` times up to where it is called free.
 fn judged((space, cell): (JointTree, Cell), count: usize, places: u32, seed: u64) -> Counts {
     let mut checker = Checker::new(space.clone(), cell.clone()).expect("a world");
@@ -135,29 +129,10 @@ fn judged((space, cell): (JointTree, Cell), count: usize, places: u32, seed: u64
             points[2] = points[1].clone();
             points[3] = points[1].clone();
         }
-        let curve = JointCurve::bezier(&points).expect("a curve");
-        let verdict = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
-        let mut is_free = |t: f64| judge.is_free_at(&curve.at(t)).expect("within limits");
-        match verdict {
-            Verdict::Free { .. } => counts.free += 1,
-            Verdict::Blocked {
-                contact_at: t,
-                free_until: safe,
-                ..
-            } => {
-                counts.blocked += 1;
-                counts.widest = counts.widest.max(t - safe);
-                assert!(!is_free(t), "{verdict:?} of curve {k}: {points:?}");
-            }
-            _ => {
-                println!("undecided: curve {k}, {verdict:?}");
-                counts.undecided += 1;
-            }
-        }
-        for i in 0..=places {
-            let t = verdict.free_until() * f64::from(i) / f64::from(places);
-            assert!(is_free(t), "{verdict:?} of curve {k} meets at {t}: {points:?}");
-        }
+        let curve = bezier(&points);
+        let verdict = checker.verdict_of(&JointMotion::curve(&curve));
+        let is_free = |t: f64| judge.is_free_at(&curve.at(t)).expect("within limits");
+        counts.judge(&verdict, places, is_free, &(k, &points));
         // The judge's own evaluation.
         let t = rng.uniform();
         let (one, other) = (curve.at(t), bernstein(&points, t));
@@ -215,14 +190,13 @@ fn slider() -> Checker<JointTree> {
     let space = JointTree::serial(origin, joints, vec![3], 0.2).expect("an arm");
     let mut cell = Cell::new();
     cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
-    cell.add_obstacle("box", solids::cuboid(Vector3::repeat(0.5)).expect("a box"), origin)
-        .expect("an obstacle");
+    cell.put("box", solids::cuboid(Vector3::repeat(0.5)).expect("a box"), origin);
     Checker::new(space, cell).expect("a world")
 }
 
 fn verdict(checker: &mut Checker<JointTree>, points: &[[f64; 3]]) -> Verdict {
-    let curve = JointCurve::bezier(points).expect("a curve");
-    checker.certify(&JointMotion::curve(&curve)).expect("within limits")
+    let curve = bezier(points);
+    checker.verdict_of(&JointMotion::curve(&curve))
 }
 
 fn is_blocked_at_end(verdict: &Verdict) -> bool {
@@ -276,9 +250,7 @@ fn a_contact_that_is_reached_at_rest_is_found() {
         }
     }
     // A segment that ends in contact, too.
-    let found = checker
-        .certify(&JointMotion::segment(&[0.0, 1.6, 0.0], &[0.0, 0.6, 0.0]))
-        .expect("within limits");
+    let found = checker.verdict_of(&JointMotion::segment(&[0.0, 1.6, 0.0], &[0.0, 0.6, 0.0]));
     assert!(is_blocked_at_end(&found), "{found:?}");
 }
 
@@ -330,15 +302,13 @@ fn a_straight_segment_has_the_same_verdict_at_every_degree() {
         contact_at: t,
         pair,
         ..
-    } = checker
-        .certify(&JointMotion::segment(&ends[0], &ends[1]))
-        .expect("within limits")
+    } = checker.verdict_of(&JointMotion::segment(&ends[0], &ends[1]))
     else {
         panic!("the block meets the box")
     };
-    let mut curve = JointCurve::bezier(&ends).expect("a curve");
+    let mut curve = bezier(&ends);
     for _ in 1..=7 {
-        let found = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
+        let found = checker.verdict_of(&JointMotion::curve(&curve));
         let Verdict::Blocked {
             free_until: s,
             contact_at: u,
@@ -355,16 +325,11 @@ fn a_straight_segment_has_the_same_verdict_at_every_degree() {
         curve = curve.elevated().expect("a curve");
     }
     // Degree 1 is the segment, bit for bit.
-    let curve = JointCurve::bezier(&ends).expect("a curve");
+    let curve = bezier(&ends);
     checker.forget();
-    let one = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
+    let one = checker.verdict_of(&JointMotion::curve(&curve));
     checker.forget();
-    assert_eq!(
-        one,
-        checker
-            .certify(&JointMotion::segment(&ends[0], &ends[1]))
-            .expect("within limits")
-    );
+    assert_eq!(one, checker.verdict_of(&JointMotion::segment(&ends[0], &ends[1])));
 }
 
 /// A joint at its limit along the whole curve stays within the limit, whatever the degree rounds.
@@ -376,7 +341,7 @@ fn values_stay_within_the_control_points() {
             let limit = rng.range(-3.0, 3.0);
             let ends = [limit, limit + rng.range(0.0, 1.0)];
             let points: Vec<Vec<f64>> = (0..=degree).map(|k| vec![limit, ends[k % 2]]).collect();
-            let curve = JointCurve::bezier(&points).expect("a curve");
+            let curve = bezier(&points);
             let [still, other] = curve.at(rng.range(0.0, 1.0))[..] else {
                 panic!("two coordinates")
             };
@@ -395,7 +360,7 @@ fn limits_hold_between_control_points() {
     let mut checker = Checker::new(space, cell).expect("a world");
     let mut check = |points: &[f64]| {
         let points: Vec<[f64; 1]> = points.iter().map(|x| [*x]).collect();
-        checker.certify(&JointMotion::curve(&JointCurve::bezier(&points).expect("a curve")))
+        checker.certify(&JointMotion::curve(&bezier(&points)))
     };
     // A control point outside, the curve inside or on the limit.
     assert!(check(&[0.0, 1.9, 0.0]).is_ok_and(|v| v.is_free()));
@@ -428,7 +393,7 @@ fn curves_of_wrong_numbers_and_spaces_are_errors() {
     assert!(refused(&[&[0.0], &[f64::NAN]]).contains("control point"));
     assert!(refused(&[&[0.0][..]; 18]).contains("degree"));
     let mut checker = slider();
-    let short = JointCurve::bezier(&[[0.0, 1.0], [1.0, 1.0]]).expect("a curve");
+    let short = bezier(&[[0.0, 1.0], [1.0, 1.0]]);
     assert!(matches!(
         checker.certify(&JointMotion::curve(&short)),
         Err(PlanError::Length { expected: 3, found: 2 })
@@ -439,9 +404,9 @@ fn curves_of_wrong_numbers_and_spaces_are_errors() {
     let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.5, 1).expect("a space");
     let mut rigid = Checker::new(space, cell.clone()).expect("a world");
     let at = |x: f64| [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-    let straight = JointCurve::bezier(&[at(0.0), at(1.0)]).expect("a curve");
+    let straight = bezier(&[at(0.0), at(1.0)]);
     assert!(rigid.certify(&JointMotion::curve(&straight)).is_ok_and(|v| v.is_free()));
-    let bent = JointCurve::bezier(&[at(0.0), at(1.0), at(0.0)]).expect("a curve");
+    let bent = bezier(&[at(0.0), at(1.0), at(0.0)]);
     assert_eq!(
         rigid.certify(&JointMotion::curve(&bent)),
         Err(PlanError::CurveDegree {
@@ -466,7 +431,7 @@ fn plank() -> Cell {
 fn judged_in<C: ConfigurationSpace + Clone>(space: C, degrees: usize, seed: u64) -> [u32; 2] {
     let mut checker = Checker::new(space.clone(), plank()).expect("a world");
     let mut judge = Checker::new(space, plank()).expect("a world");
-    let (mut rng, mut counts) = (Rng::new(seed), [0; 2]);
+    let (mut rng, mut counts) = (Rng::new(seed), Counts::default());
     for k in 0..200 {
         let from = loop {
             let q: Vec<f64> = (0..3).map(|_| rng.range(-1.2, 1.2)).collect();
@@ -477,29 +442,15 @@ fn judged_in<C: ConfigurationSpace + Clone>(space: C, degrees: usize, seed: u64)
         let way = [0.3, 1.0, 2.0][k % 3];
         let to: Vec<f64> = from.iter().map(|x| x + rng.range(-way, way)).collect();
         let points = control_points(&mut rng, &from, &to, 1 + k % degrees, [0.2, 1.0][k % 2]);
-        let curve = JointCurve::bezier(&points).expect("a curve");
-        let verdict = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
-        let mut is_free = |t: f64| judge.is_free_at(&curve.at(t)).expect("within limits");
-        match verdict {
-            Verdict::Free { .. } => counts[0] += 1,
-            Verdict::Blocked { contact_at: t, .. } => {
-                counts[1] += 1;
-                assert!(!is_free(t), "{verdict:?} of curve {k}: {points:?}");
-            }
-            _ => panic!("curve {k}: {verdict:?}"),
-        }
-        for i in 0..=100 {
-            let t = verdict.free_until() * f64::from(i) / 100.0;
-            assert!(is_free(t), "{verdict:?} of curve {k} meets at {t}: {points:?}");
-        }
+        let curve = bezier(&points);
+        let verdict = checker.verdict_of(&JointMotion::curve(&curve));
+        let is_free = |t: f64| judge.is_free_at(&curve.at(t)).expect("within limits");
+        counts.judge(&verdict, 100, is_free, &(k, &points));
         if verdict.is_free() {
             // The tube of one coordinate: shifted curves are free.
             let e = 0.02;
             let tube: Vec<f64> = (0..3).map(|c| if c == k % 3 { e } else { 0.0 }).collect();
-            let is_tube = checker
-                .certify(&JointMotion::curve(&curve).with_tube(&tube).expect("a motion"))
-                .expect("within limits")
-                .is_free();
+            let is_tube = checker.is_free_along(&tubed(&curve, &tube));
             for i in 0..=20 {
                 for off in [-e, e] {
                     let mut q = curve.at(f64::from(i) / 20.0);
@@ -509,7 +460,8 @@ fn judged_in<C: ConfigurationSpace + Clone>(space: C, degrees: usize, seed: u64)
             }
         }
     }
-    counts
+    assert_eq!(counts.undecided, 0);
+    [counts.free, counts.blocked]
 }
 
 #[test]
@@ -533,27 +485,21 @@ fn angles_of_planar_curves_do_not_jump() {
     let arm = solids::cuboid(Vector3::new(0.5, 0.05, 0.05)).expect("a box");
     let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
     cell.robot_body("arm", arm.transformed(&at(0.6)).expect("a box"));
-    cell.add_obstacle("post", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), at(1.0))
-        .expect("an obstacle");
+    cell.put("post", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), at(1.0));
     let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
     let mut checker = Checker::new(space, cell).expect("a world");
     let ends = [[0.0, 0.0, 3.0], [0.0, 0.0, -3.0]];
-    assert!(
-        checker
-            .certify(&JointMotion::segment(&ends[0], &ends[1]))
-            .expect("within limits")
-            .is_free()
-    );
-    let curve = JointCurve::bezier(&ends).expect("a curve");
+    assert!(checker.is_free_along(&JointMotion::segment(&ends[0], &ends[1])));
+    let curve = bezier(&ends);
     assert!(matches!(
         checker.certify(&JointMotion::curve(&curve)),
         Ok(Verdict::Blocked { .. })
     ));
-    let short = JointCurve::bezier(&[[0.0, 0.0, 3.0], [0.0, 0.0, 3.28]]).expect("a curve");
+    let short = bezier(&[[0.0, 0.0, 3.0], [0.0, 0.0, 3.28]]);
     assert!(checker.certify(&JointMotion::curve(&short)).is_ok_and(|v| v.is_free()));
-    let far = JointCurve::bezier(&[[0.0; 3], [0.0, 0.0, 2e3], [0.0; 3]]).expect("a curve");
+    let far = bezier(&[[0.0; 3], [0.0, 0.0, 2e3], [0.0; 3]]);
     assert!(checker.certify(&JointMotion::curve(&far)).is_ok_and(|v| !v.is_free()));
-    let out = JointCurve::bezier(&[[0.0; 3], [0.0, 4.1, 0.0], [0.0; 3]]).expect("a curve");
+    let out = bezier(&[[0.0; 3], [0.0, 4.1, 0.0], [0.0; 3]]);
     let error = checker.certify(&JointMotion::curve(&out));
     assert!(
         matches!(error, Err(PlanError::CurveLimit { coordinate: 1, .. })),
@@ -661,11 +607,8 @@ fn proofs_and_clearances_of_curves_agree_with_verdicts() {
         let from: Vec<f64> = (0..6).map(|_| rng.range(-1.0, 1.0)).collect();
         let to: Vec<f64> = from.iter().map(|x| x + rng.range(-0.5, 0.5)).collect();
         let points = control_points(&mut rng, &from, &to, 2 + k % 4, 1.0);
-        let curve = JointCurve::bezier(&points).expect("a curve");
-        let is_free = checker
-            .certify(&JointMotion::curve(&curve))
-            .expect("within limits")
-            .is_free();
+        let curve = bezier(&points);
+        let is_free = checker.is_free_along(&JointMotion::curve(&curve));
         let proof = crate::prove(&mut checker, &JointMotion::curve(&curve)).expect("within limits");
         assert_eq!(proof.is_some(), is_free);
         let clearance = checker
@@ -708,7 +651,7 @@ fn paths_and_splines_report_progress_and_stop() {
         .into();
     let curves: Vec<JointCurve> = path
         .windows(2)
-        .map(|ends| JointCurve::bezier(&[&ends[0], &ends[0], &ends[1]]).expect("a curve"))
+        .map(|ends| bezier(&[&ends[0], &ends[0], &ends[1]]))
         .collect();
     let one = checker.certify(&JointMotion::path(&path[..1]).expect("a motion"));
     assert_eq!(one, checker.certify(&JointMotion::segment(&path[0], &path[0])));
@@ -731,7 +674,7 @@ fn paths_and_splines_report_progress_and_stop() {
         let (last, is_stopped) = if upto < 3 { (upto, true) } else { (2, false) };
         assert_eq!(seen, (0..=last).collect::<Vec<_>>());
         assert_eq!(found.is_stopped, is_stopped);
-        let whole = checker.certify(motion).expect("within limits");
+        let whole = checker.verdict_of(motion);
         match is_stopped {
             true => assert_eq!((found.verdict.free_until(), found.verdict.piece()), (0.0, Some(upto))),
             false => assert_eq!(found.verdict, whole),
@@ -747,7 +690,7 @@ fn curves_have_the_same_bits_on_every_thread_and_after_forget() {
             let from: Vec<f64> = (0..7).map(|_| rng.range(-1.0, 1.0)).collect();
             let to: Vec<f64> = from.iter().map(|x| x + rng.range(-1.0, 1.0)).collect();
             let points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
-            let curve = JointCurve::bezier(&points).expect("a curve");
+            let curve = bezier(&points);
             checker.forget();
             let verdict = checker.certify(&JointMotion::curve(&curve));
             checker.forget();
@@ -784,7 +727,7 @@ fn curves_keep_the_contract_of_motions() {
             let from: Vec<f64> = (0..dims).map(|_| rng.range(-2.0, 2.0)).collect();
             let to: Vec<f64> = (0..dims).map(|_| rng.range(-2.0, 2.0)).collect();
             let points = control_points(&mut rng, &from, &to, degree, [0.0, 0.3, 2.0][round % 3]);
-            let curve = JointCurve::bezier(&points).expect("a curve");
+            let curve = bezier(&points);
             let motion = space.curve(&curve).expect("within limits");
             for _ in 0..8 {
                 let body = rng.below(space.bodies());
@@ -820,7 +763,7 @@ fn random_tube(rng: &mut Rng, dims: usize, degree: usize, [low, high]: [f64; 2])
         0 => (&row()).into(),
         _ => {
             let points: Vec<Vec<f64>> = (0..=degree).map(|_| row()).collect();
-            JointCurve::bezier(&points).expect("a curve").into()
+            bezier(&points).into()
         }
     }
 }
@@ -838,15 +781,10 @@ fn tubes_of_joints_hold_at_their_corners() {
             let from: Vec<f64> = (0..dims).map(|_| rng.range(-1.0, 1.0)).collect();
             let to: Vec<f64> = from.iter().map(|x| x + rng.range(-0.5, 0.5)).collect();
             let points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
-            let curve = JointCurve::bezier(&points).expect("a curve");
+            let curve = bezier(&points);
             let tube = random_tube(&mut rng, dims, k % 4, [1e-4, 0.02]);
-            let without = checker
-                .certify(&JointMotion::curve(&curve))
-                .expect("within limits")
-                .is_free();
-            let verdict = checker
-                .certify(&JointMotion::curve(&curve).with_tube(&tube).expect("a motion"))
-                .expect("within limits");
+            let without = checker.is_free_along(&JointMotion::curve(&curve));
+            let verdict = checker.verdict_of(&tubed(&curve, &tube));
             assert!(without || !verdict.is_free());
             free += u32::from(verdict.is_free());
             narrow += u32::from(without && !verdict.is_free());
@@ -870,19 +808,13 @@ fn tubes_of_joints_hold_at_their_corners() {
                     "{name} {k} at {t}: {tube:?} {points:?}"
                 );
             }
-            let none = checker
-                .certify(
-                    &JointMotion::curve(&curve)
-                        .with_tube(&vec![0.0; dims])
-                        .expect("a motion"),
-                )
-                .expect("within limits");
+            let none = checker.verdict_of(&tubed(&curve, &vec![0.0; dims]));
             assert_eq!(none.is_free(), without);
         }
         println!("{name}: {free} free, {narrow} too narrow");
         assert!(free > 2, "{name}: {free}");
     }
-    let curve = JointCurve::bezier(&[[0.0; 3], [0.1; 3]]).expect("a curve");
+    let curve = bezier(&[[0.0; 3], [0.1; 3]]);
     for tube in [&[0.1, 0.1][..], &[0.1, -0.1, 0.1], &[0.1, f64::NAN, 0.1]] {
         assert!(JointMotion::curve(&curve).with_tube(tube).is_err(), "{tube:?}");
     }
@@ -902,24 +834,14 @@ fn contacts_in_tubes_are_within_the_tube() {
             let from: Vec<f64> = (0..dims).map(|_| rng.range(-1.0, 1.0)).collect();
             let to: Vec<f64> = from.iter().map(|x| x + rng.range(-0.5, 0.5)).collect();
             let points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
-            let curve = JointCurve::bezier(&points).expect("a curve");
-            if !checker
-                .certify(&JointMotion::curve(&curve))
-                .expect("within limits")
-                .is_free()
-            {
+            let curve = bezier(&points);
+            if !checker.is_free_along(&JointMotion::curve(&curve)) {
                 continue;
             }
             let tube = random_tube(&mut rng, dims, k % 4, [1e-3, 0.05]);
-            let verdict = checker
-                .certify(&JointMotion::curve(&curve).with_tube(&tube).expect("a motion"))
-                .expect("within limits");
+            let verdict = checker.verdict_of(&tubed(&curve, &tube));
             let contact = checker
-                .tube_contact(
-                    &JointMotion::curve(&curve).with_tube(&tube).expect("a motion"),
-                    0,
-                    verdict.free_until(),
-                )
+                .tube_contact(&tubed(&curve, &tube), 0, verdict.free_until())
                 .expect("a tube");
             let Some((t, q)) = contact else {
                 missed += u32::from(!verdict.is_free());
@@ -950,10 +872,10 @@ fn contacts_in_tubes_are_within_the_tube() {
 fn a_tube_may_change_along_the_curve() {
     // The block touches the box at the height 0.6, while x is within 0.6: at the times 0.35 to 0.65.
     let mut checker = slider();
-    let level = JointCurve::bezier(&[[-2.0, 0.75, 0.0], [2.0, 0.75, 0.0]]).expect("a curve");
+    let level = bezier(&[[-2.0, 0.75, 0.0], [2.0, 0.75, 0.0]]);
     let of = |points: &[f64]| {
         let points: Vec<[f64; 3]> = points.iter().map(|y| [0.0, *y, 0.0]).collect();
-        JointCurve::bezier(&points).expect("a curve")
+        bezier(&points)
     };
     for (points, is_free) in [
         (&[0.1, 0.1][..], true),
@@ -967,15 +889,9 @@ fn a_tube_may_change_along_the_curve() {
         // 0.165 where x leaves it.
         (&[0.06, 0.22], false),
     ] {
-        let verdict = checker
-            .certify(&JointMotion::curve(&level).with_tube(of(points)).expect("a motion"))
-            .expect("a tube");
+        let verdict = checker.verdict_of(&tubed(&level, of(points)));
         let contact = checker
-            .tube_contact(
-                &JointMotion::curve(&level).with_tube(of(points)).expect("a motion"),
-                0,
-                0.0,
-            )
+            .tube_contact(&tubed(&level, of(points)), 0, 0.0)
             .expect("a tube");
         assert_eq!(verdict.is_free(), is_free, "{points:?}: {verdict:?}");
         assert_eq!(contact.is_none(), is_free, "{points:?}: {contact:?}");
@@ -983,16 +899,11 @@ fn a_tube_may_change_along_the_curve() {
         if let [a, b] = points
             && a == b
         {
-            let same = checker
-                .certify(&JointMotion::curve(&level).with_tube(&[0.0, *a, 0.0]).expect("a motion"))
-                .expect("a tube");
+            let same = checker.verdict_of(&tubed(&level, &[0.0, *a, 0.0]));
             assert_eq!(same, verdict);
         }
     }
-    for wrong in [
-        of(&[0.1, -0.1, 0.1]),
-        JointCurve::bezier(&[[0.1, 0.1]; 2]).expect("a curve"),
-    ] {
+    for wrong in [of(&[0.1, -0.1, 0.1]), bezier(&[[0.1, 0.1]; 2])] {
         assert!(JointMotion::curve(&level).with_tube(wrong).is_err());
     }
 }
@@ -1001,18 +912,12 @@ fn a_tube_may_change_along_the_curve() {
 fn a_contact_in_a_tube_has_its_time() {
     // The block touches the box at the height 0.6, while x is within 0.6.
     let mut checker = slider();
-    let level = JointCurve::bezier(&[[-2.0, 0.75, 0.0], [2.0, 0.75, 0.0]]).expect("a curve");
+    let level = bezier(&[[-2.0, 0.75, 0.0], [2.0, 0.75, 0.0]]);
     for (off, touches) in [(0.0, false), (0.1, false), (0.2, true)] {
         let tube = [0.0, off, 0.0];
-        let verdict = checker
-            .certify(&JointMotion::curve(&level).with_tube(&tube).expect("a motion"))
-            .expect("a tube");
+        let verdict = checker.verdict_of(&tubed(&level, &tube));
         let found = checker
-            .tube_contact(
-                &JointMotion::curve(&level).with_tube(&tube).expect("a motion"),
-                0,
-                verdict.free_until(),
-            )
+            .tube_contact(&tubed(&level, &tube), 0, verdict.free_until())
             .expect("a tube");
         assert_eq!((verdict.is_free(), found.is_some()), (!touches, touches), "{found:?}");
         if let Some((t, q)) = found {
@@ -1026,25 +931,18 @@ fn a_contact_in_a_tube_has_its_time() {
     let x = |x: f64| Isometry3::translation(x, 3.0, 0.0);
     let poses = lin_canny_plan::TimedPoses::new(&[0.0, 10.0], &[x(10.0), x(0.25)]).expect("poses");
     let mut cell = checker.cell().clone();
-    cell.add_moving_obstacle("cart", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), poses)
-        .expect("an obstacle");
+    cell.put_moving("cart", solids::cuboid(Vector3::repeat(0.1)).expect("a box"), poses);
     let mut moving = Checker::new(checker.space().clone(), cell).expect("a world");
-    let still = JointCurve::bezier(&[[0.0, 3.0, 0.0]; 2]).expect("a curve");
+    let still = bezier(&[[0.0, 3.0, 0.0]; 2]);
     let still = still.with_times([0.0, 10.0]).expect("times");
     for (before, off) in [(None, 0.1), (Some(2.0), 0.1), (None, 0.01)] {
         if let Some(time) = before {
             moving.set_time(time).expect("a time");
         }
         let tube = [off, 0.0, 0.0];
-        let verdict = moving
-            .certify(&JointMotion::curve(&still).with_tube(&tube).expect("a motion"))
-            .expect("a tube");
+        let verdict = moving.verdict_of(&tubed(&still, &tube));
         let found = moving
-            .tube_contact(
-                &JointMotion::curve(&still).with_tube(&tube).expect("a motion"),
-                0,
-                verdict.free_until(),
-            )
+            .tube_contact(&tubed(&still, &tube), 0, verdict.free_until())
             .expect("a tube");
         assert_eq!(
             (verdict.is_free(), found.is_some()),
@@ -1090,12 +988,9 @@ fn crane(unit: f64) -> Checker<JointTree> {
     );
     cell.exclude("slide", "hook").expect("names");
     cell.exclude("boom", "slide").expect("names");
-    cell.add_obstacle("post", cuboid(0.2, 0.2, 1.0), at(1.1, 0.8, 0.0))
-        .expect("an obstacle");
-    cell.add_obstacle("pillar", cuboid(0.2, 0.2, 1.0), at(1.2, -0.7, 0.0))
-        .expect("an obstacle");
-    cell.add_obstacle("floor", cuboid(9.0, 9.0, 0.1), at(0.0, 0.0, -1.0))
-        .expect("an obstacle");
+    cell.put("post", cuboid(0.2, 0.2, 1.0), at(1.1, 0.8, 0.0));
+    cell.put("pillar", cuboid(0.2, 0.2, 1.0), at(1.2, -0.7, 0.0));
+    cell.put("floor", cuboid(9.0, 9.0, 0.1), at(0.0, 0.0, -1.0));
     Checker::new(space, cell).expect("a world")
 }
 
@@ -1111,15 +1006,11 @@ fn scenes_of_all_sizes_have_equal_verdicts() {
             let to = from.map(|x| x + rng.range(-1.0, 1.0));
             let mut points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
             points.iter_mut().for_each(|p| p[1] *= unit);
-            let curve = JointCurve::bezier(&points).expect("a curve");
+            let curve = bezier(&points);
             checker.forget();
-            let verdict = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
+            let verdict = checker.verdict_of(&JointMotion::curve(&curve));
             checker.forget();
-            let tube = checker.certify(
-                &JointMotion::curve(&curve)
-                    .with_tube(&[0.01, 0.01 * unit, 0.01])
-                    .expect("a motion"),
-            );
+            let tube = checker.certify(&tubed(&curve, &[0.01, 0.01 * unit, 0.01]));
             checker.forget();
             let clearance = checker
                 .clearance_along(&JointMotion::curve(&curve), 1e-2)
@@ -1185,7 +1076,7 @@ fn curves_are_stored_with_their_errors() {
             .map(|_| (0..3).map(|_| rng.range(-2.0, 2.0)).collect())
             .collect();
         let curves = [
-            JointCurve::bezier(&points).expect("a curve"),
+            bezier(&points),
             JointCurve::power(&points).expect("a curve"),
             JointCurve::uniform_b_spline(&points, degree)
                 .expect("a spline")
@@ -1233,9 +1124,7 @@ fn points_stay_near_their_chords() {
                     .collect(),
             );
         }
-        let segment = space
-            .curve(&JointCurve::bezier(&points).expect("a curve"))
-            .expect("a motion");
+        let segment = space.curve(&bezier(&points)).expect("a motion");
         let (parts, reach) = (1u32 << rng.below(5), rng.range(0.01, 1.0));
         for body in 0..3.min(space.bodies()) {
             let bound = segment.chord_deviation(body, reach, parts);

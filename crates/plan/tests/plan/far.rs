@@ -1,11 +1,11 @@
 //! Segments over which many joints turn far: what is called free is free, and the work stays small.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
     Cell, Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PlanError, TreeSegment, Verdict,
 };
 use truth::arm::chain::chain;
+use truth::plans::{Ask, Furnish, cuboid};
 use truth::rng::Rng;
 
 fn checker(joints: usize) -> Checker<JointTree> {
@@ -27,9 +27,7 @@ fn queries(joints: usize, most: f64) -> f64 {
         let from: Vec<f64> = (0..joints).map(|_| rng.range(-1.0, 1.0)).collect();
         let to: Vec<f64> = from.iter().map(|x| x + rng.range(-most, most)).collect();
         let before = checker.work().queries;
-        let verdict = checker
-            .certify(&JointMotion::segment(&from, &to))
-            .expect("within limits");
+        let verdict = checker.verdict_of(&JointMotion::segment(&from, &to));
         if verdict.is_free() {
             free += 1;
             work += checker.work().queries - before;
@@ -57,11 +55,10 @@ fn joints_that_turn_thousands_of_times_end() {
     for _ in 0..joints {
         let origin = Isometry3::translation(0.22, 0.0, 0.0);
         chain.push(Joint::revolute(origin, Vector3::z_axis(), [-1e15, 1e15]));
-        cell.robot_body("link", solids::cuboid(Vector3::new(0.1, 0.04, 0.03)).expect("a box"));
+        cell.robot_body("link", cuboid([0.1, 0.04, 0.03]));
     }
-    let post = solids::cuboid(Vector3::new(0.03, 0.03, 0.6)).expect("a box");
-    cell.add_obstacle("post", post, Isometry3::translation(0.0, 30.0, 0.0))
-        .expect("an obstacle");
+    let post = cuboid([0.03, 0.03, 0.6]);
+    cell.put("post", post, Isometry3::translation(0.0, 30.0, 0.0));
     cell.exclude("link", "link").expect("names");
     let arm = JointTree::serial(Isometry3::identity(), chain, (1..=joints).collect(), 0.3).expect("an arm");
     let mut checker = Checker::new(arm, cell).expect("a world");
@@ -140,12 +137,8 @@ fn same_verdicts(joints: usize, most: f64, count: usize) -> [u64; 2] {
     for _ in 0..count {
         let from: Vec<f64> = (0..joints).map(|_| rng.range(-1.0, 1.0)).collect();
         let to: Vec<f64> = from.iter().map(|x| x + rng.range(-most, most)).collect();
-        let one = about_origins
-            .certify(&JointMotion::segment(&from, &to))
-            .expect("within limits");
-        let other = about_middles
-            .certify(&JointMotion::segment(&from, &to))
-            .expect("within limits");
+        let one = about_origins.verdict_of(&JointMotion::segment(&from, &to));
+        let other = about_middles.verdict_of(&JointMotion::segment(&from, &to));
         match (&one, &other) {
             (
                 Verdict::Blocked { contact_at: t, .. },

@@ -2,12 +2,12 @@
 //! meshes.
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::polyhedron::solids;
 use lin_canny::{Mesh, PairTracker, RelativePose};
 use lin_canny_plan::{
-    Cell, CellBody, CellPair, Checker, ConfigurationSpace, JointCurve, JointMotion, RigidSpace, TimedPoses,
-    TranslationSpace, Verdict,
+    Cell, CellBody, CellPair, Checker, ConfigurationSpace, JointMotion, RigidSpace, TimedPoses, TranslationSpace,
+    Verdict,
 };
+use truth::plans::{Ask, Furnish, bezier, cuboid};
 use truth::rng::Rng;
 
 /// An L of arms 2 long and 0.5 wide and thick, as a closed mesh about its inner corner.
@@ -31,7 +31,7 @@ fn room(seed: u64) -> Checker<RigidSpace> {
     let mut rng = Rng::new(seed);
     let mut cell = Cell::new();
     cell.robot_body("angle", angle());
-    let block = solids::cuboid(Vector3::new(0.3, 0.4, 0.5)).expect("a box");
+    let block = cuboid([0.3, 0.4, 0.5]);
     let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from);
     let sheet = Mesh::new(&corners, &[[0, 1, 2]]).expect("a triangle");
     for k in 0..12 {
@@ -39,9 +39,9 @@ fn room(seed: u64) -> Checker<RigidSpace> {
         let turn = Vector3::from(rng.unit()) * rng.range(0.0, 3.0);
         let pose = Isometry3::from_parts(at.into(), UnitQuaternion::from_scaled_axis(turn));
         match k % 4 {
-            0 => cell.add_obstacle(k, block.clone(), pose).expect("an obstacle"),
-            1 => cell.add_obstacle(k, sheet.clone(), pose).expect("an obstacle"),
-            _ => cell.add_obstacle(k, angle(), pose).expect("an obstacle"),
+            0 => cell.put(k, block.clone(), pose),
+            1 => cell.put(k, sheet.clone(), pose),
+            _ => cell.put(k, angle(), pose),
         };
     }
     let space = RigidSpace::new([[-5.0, 5.0]; 3], 1.6, 1).expect("a space");
@@ -106,7 +106,7 @@ fn segments_have_the_verdicts_of_the_meshes() {
             let from = sample(&checker, &mut rng);
             let to = sample(&checker, &mut rng);
             let to = checker.space().between(&from, &to, 0.3);
-            let verdict = checker.certify(&JointMotion::segment(&from, &to)).expect("a segment");
+            let verdict = checker.verdict_of(&JointMotion::segment(&from, &to));
             let before = judge.work().hulls;
             let proof = crate::prove(&mut judge, &JointMotion::segment(&from, &to)).expect("a segment");
             assert_eq!(verdict.is_free(), proof.is_some(), "{verdict:?}");
@@ -152,9 +152,7 @@ fn meshes_are_not_queried_where_their_hulls_are_apart() {
     let mut cell = Cell::new();
     cell.robot_body("angle", angle());
     let turned = UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::PI);
-    let other = cell
-        .add_obstacle("other", angle(), Isometry3::from_parts(Vector3::zeros().into(), turned))
-        .expect("an obstacle");
+    let other = cell.put("other", angle(), Isometry3::from_parts(Vector3::zeros().into(), turned));
     let space = RigidSpace::new([[-5.0, 5.0]; 3], 1.6, 1).expect("a space");
     let mut checker = Checker::new(space.clone(), cell.clone()).expect("a world");
     let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, 0.0));
@@ -162,12 +160,7 @@ fn meshes_are_not_queried_where_their_hulls_are_apart() {
     let [far, near, notch] = [at(-1.6, -1.6), at(-1.7, -1.55), at(-1.4, -1.51)];
     let apart = |checker: &mut Checker<RigidSpace>| {
         assert!(checker.is_free_at(&far).expect("a configuration"));
-        assert!(
-            checker
-                .certify(&JointMotion::segment(&far, &near))
-                .expect("a segment")
-                .is_free()
-        );
+        assert!(checker.is_free_along(&JointMotion::segment(&far, &near)));
         assert!(checker.is_free(&JointMotion::segment(&near, &far)).expect("a segment"));
         let work = checker.work();
         assert_eq!((work.decisions, work.queries, work.measures), (0, 0, 0), "{work:?}");
@@ -182,7 +175,7 @@ fn meshes_are_not_queried_where_their_hulls_are_apart() {
     assert!(checker.is_free_at(&notch).expect("a configuration"));
     assert!(checker.work().decisions > before.decisions + 1);
     // The hull of a geometry that is replaced goes with it.
-    let block = solids::cuboid(Vector3::repeat(4.0)).expect("a box");
+    let block = cuboid([4.0; 3]);
     let large = Mesh::from_convex(&block).expect("a mesh");
     checker.cell_mut().replace_obstacle(other, large).expect("the obstacle");
     assert!(!checker.is_free_at(&far).expect("a configuration"));
@@ -197,10 +190,7 @@ fn hulls_keep_what_each_pair_must_keep() {
         let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.7]].map(Point3::from);
         let tent = Mesh::new(&corners, &[[0, 1, 3], [1, 2, 3]]).expect("an open mesh");
         let pose = Isometry3::translation(1.0, -1.0, 0.5);
-        checker
-            .cell_mut()
-            .add_obstacle("tent", tent, pose)
-            .expect("an obstacle");
+        checker.cell_mut().put("tent", tent, pose);
         let grip = Isometry3::translation(1.2, 0.0, 0.3);
         let tool = checker.cell_mut().attach("angle", "tool", angle(), grip, &["angle"]);
         let tool = tool.expect("a tool");
@@ -241,7 +231,7 @@ fn hulls_keep_what_each_pair_must_keep() {
                     "{least}"
                 );
             }
-            let verdict = checker.certify(&JointMotion::segment(&from, &to)).expect("a segment");
+            let verdict = checker.verdict_of(&JointMotion::segment(&from, &to));
             let proof = crate::prove(&mut judge, &JointMotion::segment(&from, &to)).expect("a segment");
             assert_eq!(verdict.is_free(), proof.is_some(), "{verdict:?}");
             free += u32::from(verdict.is_free());
@@ -267,12 +257,12 @@ fn moving_meshes_have_the_verdicts_of_the_meshes() {
         let mut cell = Cell::new();
         cell.robot_body("angle", angle());
         let poses = TimedPoses::new(&[0.0, 1.0, 3.0], &poses).expect("timed poses");
-        cell.add_moving_obstacle("other", angle(), poses).expect("an obstacle");
+        cell.put_moving("other", angle(), poses);
         let space = TranslationSpace::new([[-5.0, 5.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
         let mut checker = Checker::new(space, cell).expect("a world");
-        let curve = JointCurve::bezier(&[from, to]).expect("a curve");
+        let curve = bezier(&[from, to]);
         let curve = curve.with_times([0.5, 2.5]).expect("times");
-        let verdict = checker.certify(&JointMotion::curve(&curve)).expect("a curve");
+        let verdict = checker.verdict_of(&JointMotion::curve(&curve));
         hulls += checker.work().hulls;
         let proof = crate::prove(&mut checker, &JointMotion::curve(&curve)).expect("a curve");
         assert_eq!(verdict.is_free(), proof.is_some(), "{seed}: {verdict:?}");

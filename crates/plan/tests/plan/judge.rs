@@ -5,7 +5,48 @@ use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::separation::{Proof, Separation};
 use lin_canny::{ConvexPolyhedron, Operand, RelativePose, Tracker, Velocity, normalize_rotation};
-use lin_canny_plan::{CellBody, PairProof};
+use lin_canny_plan::{CellBody, PairProof, Verdict};
+
+/// Verdicts by kind, and the widest bracket of a contact.
+#[derive(Debug, Default)]
+pub(crate) struct Counts {
+    pub(crate) free: u32,
+    pub(crate) blocked: u32,
+    pub(crate) undecided: u32,
+    pub(crate) queries: u64,
+    pub(crate) widest: f64,
+}
+
+impl Counts {
+    /// Counts a verdict of a motion and judges it: in contact at the time named, and free at `places` times up to where it
+    /// is called free.
+    pub(crate) fn judge(
+        &mut self,
+        verdict: &Verdict,
+        places: u32,
+        mut is_free: impl FnMut(f64) -> bool,
+        what: &impl std::fmt::Debug,
+    ) {
+        match verdict {
+            Verdict::Free { .. } => self.free += 1,
+            Verdict::Blocked {
+                contact_at, free_until, ..
+            } => {
+                self.blocked += 1;
+                self.widest = self.widest.max(contact_at - free_until);
+                assert!(!is_free(*contact_at), "{verdict:?} of {what:?}");
+            }
+            _ => {
+                println!("undecided: {what:?}, {verdict:?}");
+                self.undecided += 1;
+            }
+        }
+        for i in 0..=places {
+            let t = verdict.free_until() * f64::from(i) / f64::from(places);
+            assert!(is_free(t), "{verdict:?} of {what:?} meets at {t}");
+        }
+    }
+}
 
 /// Hulls at poses.
 pub(crate) type Placed = (ConvexPolyhedron, Isometry3<f64>);

@@ -1,9 +1,9 @@
 //! Promise: a part that an arm lifts from a table, or slides over it, never enters the table.
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::polyhedron::solids;
 use lin_canny::{ContactState, Geometry, Mesh, PairTracker, RelativePose, Shape};
 use lin_canny_plan::{Cell, CellBody, Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PlanError, Verdict};
+use truth::plans::{Ask, Furnish, cuboid};
 use truth::rng::Rng;
 
 /// An arm that moves its last link along x, y and z, and then rotates it about z and x.
@@ -22,8 +22,8 @@ fn arm() -> JointTree {
 }
 
 fn parts() -> [Geometry; 3] {
-    let die = solids::cuboid(Vector3::new(0.2, 0.1, 0.05)).expect("a box");
-    let slim = solids::cuboid(Vector3::new(0.19, 0.09, 0.04)).expect("a box");
+    let die = cuboid([0.2, 0.1, 0.05]);
+    let slim = cuboid([0.19, 0.09, 0.04]);
     [
         Mesh::from_convex(&die).expect("a mesh").into(),
         die.into(),
@@ -61,10 +61,7 @@ fn run(seed: u64, count: u64) {
         let upright = rng.chance(0.5);
         let q = if upright { [&q[..4], &[0.0]].concat() } else { q };
         let resting = checker.pose(id, &q).expect("a pose") * Isometry3::translation(0.1, 0.05, -0.1);
-        checker
-            .cell_mut()
-            .add_obstacle("table", table.clone(), resting)
-            .expect("a table");
+        checker.cell_mut().put("table", table.clone(), resting);
         let margin = [0.0, 5e-4][rng.below(2)];
         checker.cell_mut().set_margin(margin).expect("a margin");
         checker.set_start_contact_margin(Some(1e-3)).expect("a margin");
@@ -76,7 +73,7 @@ fn run(seed: u64, count: u64) {
             (goal[2], goal[4]) = (q[2] + rng.range(0.1, 0.4), q[4]);
         }
         let is_up = upright && goal[4] == q[4];
-        let verdict = checker.certify(&JointMotion::segment(&q, &goal)).expect("a verdict");
+        let verdict = checker.verdict_of(&JointMotion::segment(&q, &goal));
         let part = checker.cell().geometry(id).expect("an object").clone();
         let distance = |t: f64| {
             let at = checker.space().between(&q, &goal, t);

@@ -7,20 +7,20 @@ use lin_canny_plan::{
     Cell, Checker, ConfigurationSpace, EdgeKind, JointMotion, Opportunistic, Plan, PlanMethod, PlanOptions,
     PlanarSpace, RigidSpace, RrtConnect, Shortcuts,
 };
+use truth::plans::{Ask, Furnish, cuboid};
 
 /// A rectangle in the plane, and two walls with a gap in which it fits lengthwise only.
 fn gap(half: f64) -> (Checker<PlanarSpace>, [[f64; 3]; 2]) {
     let mut cell = Cell::new();
-    let rectangle = solids::cuboid(Vector3::new(0.5, 0.1, 0.1)).expect("a box");
+    let rectangle = cuboid([0.5, 0.1, 0.1]);
     cell.robot_body("rectangle", rectangle);
     for side in [1.0, -1.0] {
-        let wall = solids::cuboid(Vector3::new(0.3, 1.0, 1.0)).expect("a box");
-        cell.add_obstacle(
+        let wall = cuboid([0.3, 1.0, 1.0]);
+        cell.put(
             cell.free_name("wall"),
             wall,
             Isometry3::translation(0.0, side * (1.0 + half), 0.0),
-        )
-        .expect("an obstacle");
+        );
     }
     let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
     let checker = Checker::new(space, cell).expect("a world");
@@ -55,12 +55,7 @@ fn every_method_makes_paths_of_proven_segments() {
             let path = found.path.as_ref().expect("there is a way");
             let (mut judge, [start, goal]) = gap(0.25);
             assert_eq!([&path[0], &path[path.len() - 1]], [&start.to_vec(), &goal.to_vec()]);
-            assert!(
-                judge
-                    .certify(&JointMotion::path(path).expect("a motion"))
-                    .expect("a path")
-                    .is_free()
-            );
+            assert!(judge.is_free_along(&JointMotion::path(path).expect("a motion")));
             let work = &found.work;
             match method {
                 PlanMethod::RrtConnect => assert!(work.samples > 0 && work.freeways + work.slices == 0, "{work:?}"),
@@ -86,7 +81,7 @@ fn edges_of_the_trees_are_proven() {
     for edge in &roadmap.edges {
         assert_eq!(edge.kind, EdgeKind::Tree);
         let [a, b] = edge.ends.map(|node| &roadmap.nodes[node]);
-        assert!(judge.certify(&JointMotion::segment(a, b)).expect("a segment").is_free());
+        assert!(judge.is_free_along(&JointMotion::segment(a, b)));
     }
     for q in found.path.iter().flatten() {
         assert!(roadmap.nodes.contains(q));
@@ -146,7 +141,7 @@ fn a_callback_stops_every_method() {
 #[test]
 fn a_search_without_queries_ends() {
     let mut cell = Cell::new();
-    let die = solids::cuboid(Vector3::repeat(0.1)).expect("a box");
+    let die = cuboid([0.1; 3]);
     cell.robot_body("die", die);
     // A closed box of thin walls around the goal.
     for axis in 0..3 {
@@ -156,12 +151,11 @@ fn a_search_without_queries_ends() {
         for side in [-0.4, 0.4] {
             let mut at = Vector3::new(3.0, 0.0, 0.0);
             at[axis] += side;
-            cell.add_obstacle(
+            cell.put(
                 cell.free_name("wall"),
                 wall.clone(),
                 Isometry3::translation(at.x, at.y, at.z),
-            )
-            .expect("an obstacle");
+            );
         }
     }
     let space = RigidSpace::new([[-50.0, 50.0]; 3], 0.2, 1).expect("a space");
@@ -208,12 +202,7 @@ fn corners_are_tried_once() {
             }
         }
         assert_eq!(short, passes, "seed {seed}");
-        assert!(
-            judge
-                .certify(&JointMotion::path(&short).expect("a motion"))
-                .expect("a path")
-                .is_free()
-        );
+        assert!(judge.is_free_along(&JointMotion::path(&short).expect("a motion")));
     }
     println!("{ours} segments instead of {theirs}");
     assert!(ours < theirs, "{ours} {theirs}");

@@ -2,11 +2,11 @@
 
 use lin_canny::Shape;
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::polyhedron::solids;
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
     Cell, CertifyOptions, Checker, Joint, JointCurve, JointMotion, JointTree, PlanError, TimedPoses, Verdict,
 };
+use truth::plans::{Ask, Furnish, bezier, cuboid};
 use truth::rng::Rng;
 
 /// A box on rails along x and y, and a post; with a cart, the post moves along y.
@@ -16,21 +16,20 @@ fn rails(has_cart: bool) -> Checker<JointTree> {
     let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
     let block = JointTree::serial(origin, rails, vec![2], 0.1).expect("rails");
     let mut cell = Cell::new();
-    cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
-    let post = solids::cuboid(Vector3::repeat(0.3)).expect("a box");
+    cell.robot_body("block", cuboid([0.1; 3]));
+    let post = cuboid([0.3; 3]);
     if has_cart {
         let at = |y: f64| Isometry3::translation(0.0, y, 0.0);
         let poses = TimedPoses::new(&[0.0, 10.0], &[at(-3.0), at(3.0)]).expect("poses");
-        cell.add_moving_obstacle("cart", post, poses).expect("an obstacle");
+        cell.put_moving("cart", post, poses);
     } else {
-        cell.add_obstacle("post", post, origin).expect("an obstacle");
+        cell.put("post", post, origin);
     }
-    cell.add_obstacle(
+    cell.put(
         "ball",
         Shape::ball(0.2).expect("a ball"),
         Isometry3::translation(2.0, 2.0, 0.0),
-    )
-    .expect("an obstacle");
+    );
     Checker::new(block, cell).expect("a world")
 }
 
@@ -42,7 +41,7 @@ fn rows(rng: &mut Rng, count: usize) -> Vec<Vec<f64>> {
 
 /// The curves of degree one along a path.
 fn straight(rows: &[Vec<f64>]) -> Vec<JointCurve> {
-    let each = rows.windows(2).map(|ends| JointCurve::bezier(ends).expect("a curve"));
+    let each = rows.windows(2).map(|ends| bezier(ends));
     each.collect()
 }
 
@@ -57,18 +56,16 @@ fn a_path_with_times_is_the_spline_of_its_segments() {
         let path = timed(JointMotion::path(&rows).expect("a path"));
         let spline = timed(JointMotion::spline(&straight(&rows)).expect("a spline"));
         checker.forget();
-        let found = checker.certify(&path).expect("within limits");
+        let found = checker.verdict_of(&path);
         checker.forget();
-        assert_eq!(checker.certify(&spline).expect("within limits"), found);
+        assert_eq!(checker.verdict_of(&spline), found);
         assert_eq!(checker.is_free(&path).expect("within limits"), found.is_free());
         free += usize::from(found.is_free());
         later += usize::from(found.piece() > Some(0));
         // Alone, the piece that is not free has the same verdict.
         if let Some(piece) = found.piece() {
             checker.forget();
-            let alone = checker
-                .certify(&path.piece(piece).expect("a piece"))
-                .expect("within limits");
+            let alone = checker.verdict_of(&path.piece(piece).expect("a piece"));
             // Warm trackers differ in the last digits.
             assert_eq!(alone.name(), found.name());
             assert!(
@@ -133,7 +130,7 @@ fn a_tube_around_a_path_holds_for_each_piece() {
         (around(0.19), true),
         (around(0.21), false),
     ] {
-        let found = checker.certify(&motion).expect("within limits");
+        let found = checker.verdict_of(&motion);
         assert_eq!(
             (found.is_free(), found.piece()),
             (is_free, (!is_free).then_some(1)),
@@ -157,7 +154,7 @@ fn a_tube_around_a_path_holds_for_each_piece() {
     assert!((found.1[1] - 0.39).abs() < 1e-12, "{found:?}");
     // The margin and the start contacts of the checker are as before.
     assert_eq!((checker.cell().margin(), checker.start_contact_margin()), (0.0, None));
-    assert!(checker.certify(&path).expect("within limits").is_free());
+    assert!(checker.is_free_along(&path));
     let along = checker.clearance_along(&path, 1e-2).expect("within limits");
     assert!(
         along.lower <= 0.2 && 0.2 <= along.upper && along.piece == 1,
@@ -204,7 +201,7 @@ fn numbers_that_make_no_motion_are_errors() {
     ] {
         assert!(path().with_tube(tube).is_err(), "{tube:?}");
     }
-    let along = JointCurve::bezier(&[[0.1; 2]; 2]).expect("a curve");
+    let along = bezier(&[[0.1; 2]; 2]);
     assert!(path().with_tube(&along).is_err(), "a curve of entries has one piece");
     assert!(JointMotion::segment(&rows[0], &rows[1]).with_tube(&along).is_ok());
     for radius in [-1.0, f64::NAN, f64::INFINITY] {

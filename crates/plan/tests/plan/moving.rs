@@ -10,7 +10,10 @@ use lin_canny_plan::{
     Cell, CellBody, CellPair, Checker, ConfigurationSpace, Joint, JointCurve, JointMotion, JointTree, PlanError,
     PlanOptions, RrtConnect, TimedPoses, TranslationSpace, Verdict,
 };
+use truth::plans::{Ask, Furnish, bezier, tubed};
 use truth::rng::Rng;
+
+use crate::judge::Counts;
 
 fn cuboid(half: [f64; 3]) -> Geometry {
     solids::cuboid(Vector3::from(half)).expect("a box").into()
@@ -42,21 +45,18 @@ fn slider(size: f64, obstacles: &[(Geometry, TimedPoses)]) -> Checker<JointTree>
     let mut cell = Cell::new();
     cell.robot_body("block", cuboid([size; 3]));
     for (k, (geometry, poses)) in obstacles.iter().enumerate() {
-        cell.add_moving_obstacle(format!("cart {k}"), geometry.clone(), poses.clone())
-            .expect("an obstacle");
+        cell.put_moving(format!("cart {k}"), geometry.clone(), poses.clone());
     }
     Checker::new(space, cell).expect("a world")
 }
 
 fn curve(points: &[[f64; 3]], times: [f64; 2]) -> JointCurve {
-    let curve = JointCurve::bezier(points).expect("a curve");
+    let curve = bezier(points);
     curve.with_times(times).expect("times")
 }
 
 fn certify(checker: &mut Checker<JointTree>, points: &[[f64; 3]], times: [f64; 2]) -> Verdict {
-    checker
-        .certify(&JointMotion::curve(&curve(points, times)))
-        .expect("within limits")
+    checker.verdict_of(&JointMotion::curve(&curve(points, times)))
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn timed_poses_that_are_invalid_are_errors() {
     let far = [at(-1e100, 0.0, 0.0), at(1e100, 0.0, 0.0)];
     assert!(refused(&[0.0, 1.0], &far).starts_with("timed pose 1: linear velocity"));
     // Times on the clock of a curve.
-    let straight = || JointCurve::bezier(&[[0.0], [1.0]]).expect("a curve");
+    let straight = || bezier(&[[0.0], [1.0]]);
     for times in [[1.0, 1.0], [1.0, 0.0], [f64::NAN, 1.0], [0.0, f64::INFINITY]] {
         let error = straight().with_times(times).expect_err("an error").to_string();
         assert!(error.starts_with("time of a curve is out of range"), "{error}");
@@ -176,12 +176,11 @@ fn an_obstacle_that_keeps_pace_is_free_unless_it_touches() {
         let mut cell = Cell::new();
         cell.robot_body("block", placed(0.0, 0.5));
         let quarters = [0.0, 1.0, 2.0].map(|k| Isometry3::rotation(Vector3::z() * (k * FRAC_PI_2)));
-        cell.add_moving_obstacle("arm", placed(0.9 + gap, 0.4), poses(&[0.0, 1.0, 2.0], &quarters))
-            .expect("an obstacle");
+        cell.put_moving("arm", placed(0.9 + gap, 0.4), poses(&[0.0, 1.0, 2.0], &quarters));
         let mut checker = Checker::new(space, cell).expect("a world");
-        let along = JointCurve::bezier(&[[0.0], [PI]]).expect("a curve");
+        let along = bezier(&[[0.0], [PI]]);
         let along = along.with_times([0.0, 2.0]).expect("times");
-        let found = checker.certify(&JointMotion::curve(&along)).expect("within limits");
+        let found = checker.verdict_of(&JointMotion::curve(&along));
         assert_eq!(found.is_free(), gap > 0.0, "{gap:e}: {found:?}");
     }
 }
@@ -404,7 +403,7 @@ fn everything_without_a_time_is_an_error() {
     let rows = [at(0.0, 5.0, 0.0), at(0.0, 2.0, 0.0)];
     let mut checker = slider(0.5, &[(cuboid([1.0; 3]), poses(&[1.0, 2.0], &rows))]);
     let (p, q) = ([0.0; 3], [1.0, 0.0, 0.0]);
-    let straight = JointCurve::bezier(&[p, q]).expect("a curve");
+    let straight = bezier(&[p, q]);
     let none = || PlanError::NoTime("cart 0".into());
     assert_eq!(
         none().to_string(),
@@ -430,10 +429,7 @@ fn everything_without_a_time_is_an_error() {
             checker.certify(&JointMotion::spline(std::slice::from_ref(&straight)).expect("a motion")),
             Err(none())
         );
-        assert_eq!(
-            checker.certify(&JointMotion::curve(&straight).with_tube(&[0.1; 3]).expect("a motion")),
-            Err(none())
-        );
+        assert_eq!(checker.certify(&tubed(&straight, &[0.1; 3])), Err(none()));
         assert_eq!(
             checker.clearance_along(&JointMotion::curve(&straight), 0.1),
             Err(none())
@@ -493,12 +489,7 @@ fn everything_without_a_time_is_an_error() {
         })
     );
     let two = curve(&[p, p], [1.5, 2.0]);
-    assert!(
-        checker
-            .certify(&JointMotion::spline(&[one, two]).expect("a motion"))
-            .expect("times")
-            .is_free()
-    );
+    assert!(checker.is_free_along(&JointMotion::spline(&[one, two]).expect("a motion")));
 }
 
 #[test]
@@ -507,50 +498,29 @@ fn moving_obstacles_come_and_go() {
     let timed = poses(&[0.0, 1.0], &rows);
     let mut checker = slider(0.5, &[]);
     let still = |times| curve(&[[0.0; 3]; 2], times);
-    assert!(
-        checker
-            .certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3]))
-            .expect("within limits")
-            .is_free()
-    );
+    assert!(checker.is_free_along(&JointMotion::segment(&[0.0; 3], &[0.0; 3])));
     checker.set_time(0.5).expect("nothing moves");
-    let id = checker
-        .cell_mut()
-        .add_moving_obstacle("press", cuboid([1.0; 3]), timed.clone())
-        .expect("a pose");
+    let id = checker.cell_mut().put_moving("press", cuboid([1.0; 3]), timed.clone());
     assert_eq!(checker.cell().obstacle_motion(id), Some(&timed));
     assert_eq!(checker.cell().obstacle_pose(id), Some(&rows[0]));
     assert_eq!(
         checker.clearance(&[0.0; 3]).expect("a pose").expect("a pair").distance,
         1.0
     );
-    let found = checker.certify(&JointMotion::curve(&still([0.0, 1.0]))).expect("times");
+    let found = checker.verdict_of(&JointMotion::curve(&still([0.0, 1.0])));
     assert!(
         matches!(found, Verdict::Blocked { contact_at: t, .. } if (t - 0.7).abs() < 1e-5),
         "{found:?}"
     );
-    assert!(
-        checker
-            .certify(&JointMotion::curve(&still([0.0, 0.699])))
-            .expect("times")
-            .is_free()
-    );
+    assert!(checker.is_free_along(&JointMotion::curve(&still([0.0, 0.699]))));
     checker
         .cell_mut()
         .replace_obstacle(id, cuboid([0.1; 3]))
         .expect("an obstacle");
-    assert!(
-        checker
-            .certify(&JointMotion::curve(&still([0.0, 0.7])))
-            .expect("times")
-            .is_free()
-    );
+    assert!(checker.is_free_along(&JointMotion::curve(&still([0.0, 0.7]))));
     // Without a pose at the time of configurations.
     let late = poses(&[2.0, 3.0], &rows);
-    let late = checker
-        .cell_mut()
-        .add_moving_obstacle("late", cuboid([0.1; 3]), late)
-        .expect("a box");
+    let late = checker.cell_mut().put_moving("late", cuboid([0.1; 3]), late);
     for error in [
         checker.is_free_at(&[0.0; 3]).map(|_| ()),
         checker.clearance(&[0.0; 3]).map(|_| ()),
@@ -570,31 +540,13 @@ fn moving_obstacles_come_and_go() {
         .move_obstacle(id, at(0.0, 3.0, 0.0))
         .expect("an obstacle");
     assert_eq!(checker.cell().obstacle_motion(id), None);
-    assert!(
-        checker
-            .certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3]))
-            .expect("within limits")
-            .is_free()
-    );
-    let still = JointCurve::bezier(&[[0.0, 2.6, 0.0]; 2]).expect("a curve");
-    assert!(
-        !checker
-            .certify(&JointMotion::curve(&still))
-            .expect("no times")
-            .is_free()
-    );
-    let id = checker
-        .cell_mut()
-        .add_moving_obstacle("second press", cuboid([1.0; 3]), timed)
-        .expect("a pose");
+    assert!(checker.is_free_along(&JointMotion::segment(&[0.0; 3], &[0.0; 3])));
+    let still = bezier(&[[0.0, 2.6, 0.0]; 2]);
+    assert!(!checker.is_free_along(&JointMotion::curve(&still)));
+    let id = checker.cell_mut().put_moving("second press", cuboid([1.0; 3]), timed);
     assert!(checker.certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3])).is_err());
     checker.cell_mut().remove_obstacle(id).expect("an obstacle");
-    assert!(
-        checker
-            .certify(&JointMotion::segment(&[0.0; 3], &[0.0; 3]))
-            .expect("within limits")
-            .is_free()
-    );
+    assert!(checker.is_free_along(&JointMotion::segment(&[0.0; 3], &[0.0; 3])));
 }
 
 /// A contact with a moving obstacle at the start is not accepted, whatever the margin.
@@ -604,15 +556,12 @@ fn contacts_at_the_start_with_moving_obstacles_are_not_accepted() {
     let mut checker = slider(0.5, &[(cuboid([1.0; 3]), poses(&[0.0, 1.0], &rows))]);
     checker.set_start_contact_margin(Some(1e-3)).expect("a length");
     let along = curve(&[[0.0; 3], [0.0, 2.0, 0.0]], [0.0, 1.0]);
-    let found = checker.certify(&JointMotion::curve(&along)).expect("times");
+    let found = checker.verdict_of(&JointMotion::curve(&along));
     assert!(matches!(found, Verdict::Blocked { contact_at: 0.0, .. }), "{found:?}");
     assert_eq!(crate::prove(&mut checker, &JointMotion::curve(&along)), Ok(None));
-    checker
-        .cell_mut()
-        .add_obstacle("table", cuboid([1.0; 3]), at(0.0, -1.5, 0.0))
-        .expect("a pose");
+    checker.cell_mut().put("table", cuboid([1.0; 3]), at(0.0, -1.5, 0.0));
     checker.cell_mut().remove_obstacle("cart 0").expect("an obstacle");
-    assert!(checker.certify(&JointMotion::curve(&along)).expect("times").is_free());
+    assert!(checker.is_free_along(&JointMotion::curve(&along)));
 }
 
 /// Random poses about the robot, at random times that cover -1 to 11.
@@ -647,19 +596,9 @@ fn among(space: JointTree, mut cell: Cell, rng: &mut Rng, far: f64) -> Checker<J
             0 => Geometry::from(Shape::ball(half[0]).expect("a ball")),
             _ => cuboid(half),
         };
-        cell.add_moving_obstacle(format!("moving {k}"), geometry, wander(rng, far))
-            .expect("an obstacle");
+        cell.put_moving(format!("moving {k}"), geometry, wander(rng, far));
     }
     Checker::new(space, cell).expect("a world")
-}
-
-#[derive(Debug, Default)]
-struct Counts {
-    free: u32,
-    blocked: u32,
-    undecided: u32,
-    queries: u64,
-    widest: f64,
 }
 
 /// Certifies random curves at random times, and judges each at `places` times up to where it is called free.
@@ -687,37 +626,15 @@ fn judged(joints: usize, worlds: usize, curves: usize, places: u32, seed: u64) -
                 let each = from.iter().map(|x| x + rng.range(-way, way));
                 each.collect::<Vec<f64>>()
             }));
-            let curve = JointCurve::bezier(&points).expect("a curve");
+            let curve = bezier(&points);
             let curve = curve.with_times(times).expect("times");
-            let verdict = checker.certify(&JointMotion::curve(&curve)).expect("within limits");
-            let mut is_free = |t: f64| {
+            let verdict = checker.verdict_of(&JointMotion::curve(&curve));
+            let is_free = |t: f64| {
                 let time = (times[0] + (times[1] - times[0]) * t).clamp(times[0], times[1]);
                 judge.set_time(time).expect("a pose");
                 judge.is_free_at(&curve.at(t)).expect("within limits")
             };
-            match verdict {
-                Verdict::Free { .. } => counts.free += 1,
-                Verdict::Blocked {
-                    contact_at: t,
-                    free_until: safe,
-                    ..
-                } => {
-                    counts.blocked += 1;
-                    counts.widest = counts.widest.max(t - safe);
-                    assert!(!is_free(t), "{verdict:?} of curve {k}: {times:?} {points:?}");
-                }
-                _ => {
-                    println!("undecided: curve {k}, {verdict:?}");
-                    counts.undecided += 1;
-                }
-            }
-            for i in 0..=places {
-                let t = verdict.free_until() * f64::from(i) / f64::from(places);
-                assert!(
-                    is_free(t),
-                    "{verdict:?} of curve {k} meets at {t}: {times:?} {points:?}"
-                );
-            }
+            counts.judge(&verdict, places, is_free, &(k, times, &points));
         }
         counts.queries += checker.work().queries;
     }
@@ -757,17 +674,12 @@ fn proofs_clearances_and_tubes_agree_with_verdicts() {
             .collect();
         let begin = rng.range(-1.0, 8.0);
         let times = [begin, begin + 3.0];
-        let curve = JointCurve::bezier(&points).expect("a curve");
+        let curve = bezier(&points);
         let curve = curve.with_times(times).expect("times");
-        let is_free = checker
-            .certify(&JointMotion::curve(&curve))
-            .expect("within limits")
-            .is_free();
+        let is_free = checker.is_free_along(&JointMotion::curve(&curve));
         let proof = crate::prove(&mut checker, &JointMotion::curve(&curve)).expect("within limits");
         assert_eq!(proof.is_some(), is_free);
-        let tube = checker
-            .certify(&JointMotion::curve(&curve).with_tube(&[1e-9; 4]).expect("a motion"))
-            .expect("within limits");
+        let tube = checker.verdict_of(&tubed(&curve, &[1e-9; 4]));
         assert_eq!(tube.is_free(), is_free);
         checker.set_time(begin).expect("a pose");
         let before = checker.clearance(&curve.at(0.0)).expect("within limits");
@@ -816,7 +728,7 @@ fn verdicts_have_the_same_bits_on_every_thread_and_after_forget() {
                 .map(|_| from.iter().map(|x| x + rng.range(-0.5, 0.5)).collect())
                 .collect();
             let begin = rng.range(-1.0, 6.0);
-            let curve = JointCurve::bezier(&points).expect("a curve");
+            let curve = bezier(&points);
             let curve = curve.with_times([begin, begin + 5.0]).expect("times");
             checker.forget();
             let verdict = checker.certify(&JointMotion::curve(&curve));
@@ -911,19 +823,18 @@ fn spaces_without_joints_follow_straight_curves() {
     let mut cell = Cell::new();
     cell.robot_body("drone", cuboid([0.5; 3]));
     let rows = [at(5.0, 0.0, 0.0), at(-5.0, 0.0, 0.0)];
-    cell.add_moving_obstacle("train", cuboid([0.5; 3]), poses(&[0.0, 10.0], &rows))
-        .expect("an obstacle");
+    cell.put_moving("train", cuboid([0.5; 3]), poses(&[0.0, 10.0], &rows));
     let space = TranslationSpace::new([[-9.0, 9.0]; 3], UnitQuaternion::identity(), 1).expect("a space");
     assert_eq!(space.coordinates(), 3);
     let mut checker = Checker::new(space, cell).expect("a world");
     let to = |y: f64| {
-        let curve = JointCurve::bezier(&[[-5.0, 0.0, 0.0], [5.0, y, 0.0]]).expect("a curve");
+        let curve = bezier(&[[-5.0, 0.0, 0.0], [5.0, y, 0.0]]);
         curve.with_times([0.0, 10.0]).expect("times")
     };
-    let found = checker.certify(&JointMotion::curve(&to(0.0))).expect("times");
+    let found = checker.verdict_of(&JointMotion::curve(&to(0.0)));
     assert!(
         matches!(found, Verdict::Blocked { contact_at: t, .. } if (t - 0.45).abs() < 1e-5),
         "{found:?}"
     );
-    assert!(checker.certify(&JointMotion::curve(&to(9.0))).expect("times").is_free());
+    assert!(checker.is_free_along(&JointMotion::curve(&to(9.0))));
 }

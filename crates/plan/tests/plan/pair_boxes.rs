@@ -5,7 +5,6 @@ use core::ops::Range;
 
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::polyhedron::solids;
 use lin_canny_plan::{
     Cell, Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PairBoxes, PlanError, PlanarSpace,
 };
@@ -13,6 +12,7 @@ use truth::rng::Rng;
 
 use crate::range_worlds::add_obstacles;
 use crate::ranges::{at, pose, robot};
+use truth::plans::{Ask, Furnish, cuboid};
 
 fn random_checker(k: u64, seed: u64) -> Checker<JointTree> {
     let mut rng = Rng::new(seed + k);
@@ -28,12 +28,9 @@ fn random_checker(k: u64, seed: u64) -> Checker<JointTree> {
     cell.set_margin(0.03 * size).expect("a margin");
     cell.pad("b", 0.05 * size).expect("a padding");
     let mut checker = Checker::new(tree, cell).expect("a robot");
-    let part = solids::cuboid(Vector3::repeat(0.1 * size)).expect("a box");
+    let part = cuboid([0.1 * size; 3]);
     let part_pose = pose(&mut rng, 0.5 * size);
-    checker
-        .cell_mut()
-        .attach("b", "part", part, part_pose, &[])
-        .expect("a part");
+    checker.cell_mut().carry("b", "part", part, part_pose, &[]);
     checker.set_time(0.3).expect("a time");
     checker
 }
@@ -59,7 +56,7 @@ fn judge(plain: &mut Checker<JointTree>, with: &mut Checker<JointTree>, samples:
             continue;
         };
         assert_eq!(
-            with.certify(&JointMotion::segment(&from, &to)).expect("a segment"),
+            with.verdict_of(&JointMotion::segment(&from, &to)),
             verdict,
             "{k}: {from:?} {to:?}"
         );
@@ -139,10 +136,7 @@ fn blocks(count: usize, half: f64) -> Checker<JointTree> {
     );
     let mut cell = Cell::new();
     for k in 0..count {
-        cell.robot_body(
-            format!("block {k}"),
-            solids::cuboid(Vector3::repeat(half)).expect("a box"),
-        );
+        cell.robot_body(format!("block {k}"), cuboid([half; 3]));
     }
     Checker::new(arm.expect("an arm"), cell).expect("a checker")
 }
@@ -167,8 +161,8 @@ fn square([x, y]: [[f64; 2]; 2]) -> Checker<JointTree> {
     let rails = vec![rail(Vector3::x_axis(), x), rail(Vector3::y_axis(), y)];
     let arm = JointTree::serial(Isometry3::identity(), rails, vec![0, 2], 0.1);
     let mut cell = Cell::new();
-    cell.robot_body("post", solids::cuboid(Vector3::repeat(0.5)).expect("a box"));
-    cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    cell.robot_body("post", cuboid([0.5; 3]));
+    cell.robot_body("block", cuboid([0.1; 3]));
     Checker::new(arm.expect("an arm"), cell).expect("a checker")
 }
 
@@ -223,9 +217,9 @@ fn configurations_and_segments_on_faces_are_looked_up() {
         }
         plain.forget();
         with.forget();
-        let verdict = plain.certify(&JointMotion::segment(&from, &to)).expect("a segment");
+        let verdict = plain.verdict_of(&JointMotion::segment(&from, &to));
         assert_eq!(
-            with.certify(&JointMotion::segment(&from, &to)).expect("a segment"),
+            with.verdict_of(&JointMotion::segment(&from, &to)),
             verdict,
             "{from:?} {to:?}"
         );
@@ -269,7 +263,7 @@ fn a_search_that_is_stopped_keeps_its_boxes() {
 fn a_coordinate_without_limits_is_an_error() {
     let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
     let mut cell = Cell::new();
-    cell.robot_body("block", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    cell.robot_body("block", cuboid([0.1; 3]));
     let refused = PairBoxes::search(&mut Checker::new(space, cell).expect("a checker"), 10, &mut |_| {
         ControlFlow::Continue(())
     });

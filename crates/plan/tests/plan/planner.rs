@@ -3,24 +3,20 @@
 use crate::judge::{Placed, first_contact, pose_of};
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Piece, Progress};
 use lin_canny_plan::{
     Cell, Checker, ConfigurationSpace, FreewayEnd, JointMotion, Opportunistic, PlanError, PlanMethod, PlanOptions,
     PlanarSpace, RigidSpace, RrtConnect, Shortcuts, TranslationSpace,
 };
 use std::time::Duration;
+use truth::plans::{Ask, Furnish, cuboid};
 use truth::rooms::wall;
-
-fn cuboid(x: f64, y: f64, z: f64) -> ConvexPolyhedron {
-    solids::cuboid(Vector3::new(x, y, z)).expect("a box")
-}
 
 fn cell(robot: &ConvexPolyhedron, obstacles: &[Placed]) -> Cell {
     let mut cell = Cell::new();
     cell.robot_body("robot", robot.clone());
     for (k, (hull, pose)) in obstacles.iter().enumerate() {
-        cell.add_obstacle(k, hull.clone(), *pose).expect("an obstacle");
+        cell.put(k, hull.clone(), *pose);
     }
     cell
 }
@@ -40,7 +36,7 @@ fn options(seed: u64) -> PlanOptions {
 
 /// A plank that must turn to pass a hole, and comes turned wrongly: how many seeds find a way within a limit of processor time.
 fn passage(width: f64, method: PlanMethod, seeds: u64, limit: Duration) -> (u64, Duration) {
-    let robot = cuboid(0.8, 0.1, 0.1);
+    let robot = cuboid([0.8, 0.1, 0.1]);
     let obstacles = wall(width);
     let (mut solved, mut longest) = (0, Duration::ZERO);
     for seed in 0..seeds {
@@ -57,20 +53,10 @@ fn passage(width: f64, method: PlanMethod, seeds: u64, limit: Duration) -> (u64,
         solved += 1;
         assert_eq!((&path[0], &path[path.len() - 1]), (&start, &goal));
         judge(&path, &robot, &obstacles, 200);
-        assert!(
-            checker
-                .certify(&JointMotion::path(&path).expect("a motion"))
-                .expect("a path")
-                .is_free()
-        );
+        assert!(checker.is_free_along(&JointMotion::path(&path).expect("a motion")));
         let short = Shortcuts::new(100, seed).shorten(&mut checker, &path).expect("a path");
         assert!(checker.space().path_length(&short) <= checker.space().path_length(&path) * (1.0 + 1e-12));
-        assert!(
-            checker
-                .certify(&JointMotion::path(&short).expect("a motion"))
-                .expect("a path")
-                .is_free()
-        );
+        assert!(checker.is_free_along(&JointMotion::path(&short).expect("a motion")));
         judge(&short, &robot, &obstacles, 400);
     }
     (solved, longest)
@@ -100,7 +86,7 @@ fn passages_are_found_for_twenty_seeds() {
 
 #[test]
 fn a_callback_follows_and_stops_the_shortening_of_a_path() {
-    let robot = cuboid(0.8, 0.1, 0.1);
+    let robot = cuboid([0.8, 0.1, 0.1]);
     let (space, [start, goal]) = truth::rooms::passage();
     let mut checker = Checker::new(space, cell(&robot, &wall(0.6))).expect("a world");
     let path = RrtConnect::new(&options(0))
@@ -140,12 +126,7 @@ fn a_callback_follows_and_stops_the_shortening_of_a_path() {
             .shorten(&mut checker, &path);
         let short = short.expect("a path");
         assert_eq!(calls, stop + 1);
-        assert!(
-            checker
-                .certify(&JointMotion::path(&short).expect("a motion"))
-                .expect("a path")
-                .is_free()
-        );
+        assert!(checker.is_free_along(&JointMotion::path(&short).expect("a motion")));
         assert_eq!((&short[0], &short[short.len() - 1]), (&start, &goal));
         lengths.push(checker.space().path_length(&short));
     }
@@ -158,11 +139,11 @@ fn a_callback_follows_and_stops_the_shortening_of_a_path() {
 /// A closed wall, and a box with the goal inside: never a path.
 #[test]
 fn a_blocked_world_has_no_path() {
-    let robot = cuboid(0.3, 0.1, 0.1);
+    let robot = cuboid([0.3, 0.1, 0.1]);
     let bounds = [[-2.5, 2.5], [-2.0, 2.0], [-2.0, 2.0]];
     let at = |x: f64| RigidSpace::configuration(&Isometry3::translation(x, 0.0, 0.0));
     // Closed, and with a hole that the thinnest section does not pass.
-    for obstacles in [vec![(cuboid(0.25, 5.0, 5.0), Isometry3::identity())], wall(0.19)] {
+    for obstacles in [vec![(cuboid([0.25, 5.0, 5.0]), Isometry3::identity())], wall(0.19)] {
         for seed in 0..3 {
             let space = RigidSpace::new(bounds, 0.3, 1).expect("a space");
             let mut checker = Checker::new(space, cell(&robot, &obstacles)).expect("a world");
@@ -178,7 +159,7 @@ fn a_blocked_world_has_no_path() {
 /// The same seed gives the same answer to the bit; budgets end a search.
 #[test]
 fn searches_repeat_and_end() {
-    let robot = cuboid(0.8, 0.1, 0.1);
+    let robot = cuboid([0.8, 0.1, 0.1]);
     let obstacles = wall(0.6);
     let run = |options: &PlanOptions| {
         let space = RigidSpace::new([[-2.5, 2.5], [-2.0, 2.0], [-2.0, 2.0]], 0.8, 1).expect("a space");
@@ -200,7 +181,7 @@ fn searches_repeat_and_end() {
 
 #[test]
 fn ends_in_contact_are_named() {
-    let robot = cuboid(0.8, 0.1, 0.1);
+    let robot = cuboid([0.8, 0.1, 0.1]);
     let space = RigidSpace::new([[-3.0, 3.0]; 3], 0.8, 1).expect("a space");
     let mut checker = Checker::new(space, cell(&robot, &wall(0.5))).expect("a world");
     let at = |x: f64| RigidSpace::configuration(&Isometry3::translation(x, 1.0, 1.0));
@@ -216,10 +197,9 @@ fn ends_in_contact_are_named() {
 fn a_rectangle_turns_in_the_plane() {
     for seed in 0..3 {
         let mut cell = Cell::new();
-        cell.robot_body("rectangle", cuboid(0.5, 0.1, 0.1));
+        cell.robot_body("rectangle", cuboid([0.5, 0.1, 0.1]));
         for (y, name) in [(1.15, "left"), (-1.15, "right")] {
-            cell.add_obstacle(name, cuboid(0.3, 1.0, 1.0), Isometry3::translation(0.0, y, 0.0))
-                .expect("an obstacle");
+            cell.put(name, cuboid([0.3, 1.0, 1.0]), Isometry3::translation(0.0, y, 0.0));
         }
         let space = PlanarSpace::new([[-2.0, 2.0]; 2], 0.5, 1).expect("a space");
         let mut checker = Checker::new(space, cell).expect("a world");
@@ -228,12 +208,7 @@ fn a_rectangle_turns_in_the_plane() {
             .plan(&mut checker, &start, &goal)
             .expect("free ends");
         let path = plan.path.expect("there is a way");
-        assert!(
-            checker
-                .certify(&JointMotion::path(&path).expect("a motion"))
-                .expect("a path")
-                .is_free()
-        );
+        assert!(checker.is_free_along(&JointMotion::path(&path).expect("a motion")));
     }
 }
 
@@ -244,12 +219,11 @@ fn half_turns<C: ConfigurationSpace + Clone>(space: &C) -> u32 {
     for seed in [17, 341, 1965].into_iter().chain(0..40) {
         let mut rng = truth::rng::Rng::of_case(17, seed);
         let mut cell = Cell::new();
-        cell.robot_body("rod", cuboid(rng.range(0.4, 1.0), 0.05, 0.1));
+        cell.robot_body("rod", cuboid([rng.range(0.4, 1.0), 0.05, 0.1]));
         for k in 0..4 + rng.below(20) {
             let at = Vector3::new(rng.range(-3.5, 3.5), rng.range(-2.5, 2.5), 0.0);
             let pose = Isometry3::from_parts(at.into(), UnitQuaternion::identity());
-            cell.add_obstacle(k, cuboid(0.08, 0.08, 1.0), pose)
-                .expect("an obstacle");
+            cell.put(k, cuboid([0.08, 0.08, 1.0]), pose);
         }
         let mut checker = Checker::new(space.clone(), cell).expect("a world");
         let turned = *rng.pick(&[0.0, std::f64::consts::PI]);
@@ -268,14 +242,10 @@ fn half_turns<C: ConfigurationSpace + Clone>(space: &C) -> u32 {
             continue;
         };
         found += 1;
-        let verdict = checker
-            .certify(&JointMotion::path(&path).expect("a motion"))
-            .expect("a path");
+        let verdict = checker.verdict_of(&JointMotion::path(&path).expect("a motion"));
         assert!(verdict.is_free(), "seed {seed}: {verdict:?} of {path:?}");
         let short = Shortcuts::new(50, seed).shorten(&mut checker, &path).expect("a path");
-        let verdict = checker
-            .certify(&JointMotion::path(&short).expect("a motion"))
-            .expect("a path");
+        let verdict = checker.verdict_of(&JointMotion::path(&short).expect("a motion"));
         assert!(verdict.is_free(), "seed {seed}, shortened: {verdict:?} of {short:?}");
     }
     found
@@ -351,19 +321,19 @@ fn paths_with_half_turns_are_free_in_the_direction_of_travel() {
 /// corridor is its middle.
 #[test]
 fn freeways_are_local_maxima_in_their_slices() {
-    let robot = cuboid(0.3, 0.1, 0.1);
+    let robot = cuboid([0.3, 0.1, 0.1]);
     let obstacles: Vec<Placed> = [(0.0, 1.0), (0.4, -1.0)]
         .iter()
         .map(|&(tilt, side)| {
             let turn = UnitQuaternion::from_scaled_axis(Vector3::z() * (0.1 * tilt));
             let pose = Isometry3::from_parts(Vector3::new(0.0, 1.5 * side, 0.0).into(), turn);
-            (cuboid(4.0, 0.5, 4.0), pose)
+            (cuboid([4.0, 0.5, 4.0]), pose)
         })
         .collect();
     let bounds = [[-2.0, 2.0]; 3];
     // A post keeps the straight way closed.
     let mut all = obstacles.clone();
-    all.push((cuboid(0.2, 0.6, 1.5), Isometry3::translation(0.0, 0.0, 0.0)));
+    all.push((cuboid([0.2, 0.6, 1.5]), Isometry3::translation(0.0, 0.0, 0.0)));
     let space = TranslationSpace::new(bounds, UnitQuaternion::identity(), 1).expect("a space");
     let mut checker = Checker::new(space, cell(&robot, &all)).expect("a world");
     let plan = Opportunistic::new(&options(1))
@@ -410,21 +380,20 @@ fn freeways_are_local_maxima_in_their_slices() {
 #[test]
 fn robots_of_several_pieces() {
     let mut cell = Cell::new();
-    cell.robot_body("bar", cuboid(0.5, 0.1, 0.1));
+    cell.robot_body("bar", cuboid([0.5, 0.1, 0.1]));
     cell.robot_body(
         "hook",
-        cuboid(0.1, 0.3, 0.1)
+        cuboid([0.1, 0.3, 0.1])
             .transformed(&Isometry3::translation(0.4, 0.2, 0.0))
             .expect("a box"),
     );
     let posts = [-1.0, 1.0].map(|y| {
-        let mut piece = Piece::new(cuboid(0.2, 0.6, 2.0));
+        let mut piece = Piece::new(cuboid([0.2, 0.6, 2.0]));
         piece.pose = Isometry3::translation(0.0, y, 0.0);
         piece
     });
     let gate = lin_canny::Compound::new(posts.to_vec()).expect("two pieces");
-    cell.add_obstacle("gate", gate, Isometry3::identity())
-        .expect("an obstacle");
+    cell.put("gate", gate, Isometry3::identity());
     let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.6, 2).expect("a space");
     let mut checker = Checker::new(space, cell).expect("a world");
     let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, 0.0));
@@ -432,10 +401,5 @@ fn robots_of_several_pieces() {
         .plan(&mut checker, &at(-1.5, 1.0), &at(1.5, -1.0))
         .expect("free ends");
     let path = plan.path.expect("there is a way");
-    assert!(
-        checker
-            .certify(&JointMotion::path(&path).expect("a motion"))
-            .expect("a path")
-            .is_free()
-    );
+    assert!(checker.is_free_along(&JointMotion::path(&path).expect("a motion")));
 }

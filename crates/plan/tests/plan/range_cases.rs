@@ -4,7 +4,6 @@
 use core::ops::ControlFlow;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use lin_canny::polyhedron::solids;
 use lin_canny::{HalfSpace, Mesh, Shape};
 use lin_canny_plan::{
     Cell, CellBody, Checker, ClearanceWidth, ConfigurationSpace, Joint, JointTree, PlanError, RangeAnswer,
@@ -14,6 +13,7 @@ use std::f64::consts::{PI, TAU};
 use truth::rng::Rng;
 
 use crate::ranges::{A, OTHER, at, cube, moved, robot, slide};
+use truth::plans::{Ask, Furnish, cuboid};
 
 fn turn(axis: Vector3<f64>, limits: [f64; 2]) -> Joint {
     let axis = lin_canny::nalgebra::Unit::new_normalize(axis);
@@ -74,21 +74,16 @@ fn ranges_of_no_width_are_as_single_configurations_say() {
     let mut tally = [0; 2];
     for k in 0..20 {
         let (tree, mut cell) = robot(&mut rng, 1.0, 300 + k);
-        cell.add_obstacle("post", cube(0.4), Isometry3::translation(2.0, 0.2, 0.0))
-            .expect("an obstacle");
+        cell.put("post", cube(0.4), Isometry3::translation(2.0, 0.2, 0.0));
         let floor = HalfSpace::new(Vector3::z(), -2.0).expect("a plane");
-        cell.add_obstacle("floor", floor, Isometry3::identity())
-            .expect("an obstacle");
+        cell.put("floor", floor, Isometry3::identity());
         let shell = Mesh::from_convex(&cube(0.5)).expect("a mesh");
-        cell.add_obstacle("shell", shell, Isometry3::translation(-1.8, 0.0, 0.3))
-            .expect("an obstacle");
+        cell.put("shell", shell, Isometry3::translation(-1.8, 0.0, 0.3));
         let mut checker = Checker::new(tree.clone(), cell).expect("a world");
         for margin in [0.0, 0.2] {
             checker.cell_mut().set_margin(margin).expect("a margin");
             let q: Vec<f64> = tree.bounds().iter().map(|[low, high]| rng.range(*low, *high)).collect();
-            let answers = RangeProver::new(&RangeOptions::default())
-                .all_pairs(&mut checker, &q, &q)
-                .expect("a range");
+            let answers = checker.answers_over(&RangeOptions::default(), &q, &q);
             assert!(answers.iter().all(|answer| answer.cells == 1 && answer.open.is_empty()));
             let is_free = answers.iter().all(RangeAnswer::is_never);
             assert_eq!(checker.is_free_at(&q), Ok(is_free));
@@ -108,9 +103,7 @@ fn a_coordinate_of_no_width_is_not_divided() {
         .expect("a box");
     let mut checker = moved(joints(), cube(0.2), far);
     for (x, never) in [(3.0, true), (3.3, false)] {
-        let answer = RangeProver::new(&options)
-            .pair(&mut checker, A, OTHER, &[-PI, x], &[PI, x])
-            .expect("a range");
+        let answer = checker.answer_over(&options, [A, OTHER], &[-PI, x], &[PI, x]);
         assert_eq!(answer.is_never(), never, "{answer:?}");
         assert!(answer.at[1] == x && answer.open.is_empty(), "{answer:?}");
     }
@@ -126,9 +119,7 @@ fn joints_that_change_no_distance_cost_few_cells() {
             .expect("a wall")
     };
     let mut along = moved(vec![turn(Vector3::x(), [-PI, PI])], cube(0.5), wall());
-    let answer = RangeProver::new(&options)
-        .pair(&mut along, A, OTHER, &[-PI], &[PI])
-        .expect("a range");
+    let answer = along.answer_over(&options, [A, OTHER], &[-PI], &[PI]);
     assert!(answer.is_never() && answer.cells < 64, "{answer:?}");
     assert!(answer.lower >= 1.5 - 2e-3 && answer.lower <= 1.5, "{answer:?}");
     let mut spin = moved(
@@ -136,9 +127,7 @@ fn joints_that_change_no_distance_cost_few_cells() {
         Shape::ball(0.5).expect("a ball"),
         wall(),
     );
-    let answer = RangeProver::new(&options)
-        .pair(&mut spin, A, OTHER, &[-TAU], &[TAU])
-        .expect("a range");
+    let answer = spin.answer_over(&options, [A, OTHER], &[-TAU], &[TAU]);
     assert!(answer.is_never() && answer.cells == 1, "{answer:?}");
 }
 
@@ -146,7 +135,7 @@ fn joints_that_change_no_distance_cost_few_cells() {
 /// point stays in contact.
 #[test]
 fn a_turn_about_the_place_of_contact_keeps_it() {
-    let needle = solids::cuboid(Vector3::new(1.0, 0.05, 0.05)).expect("a box");
+    let needle = cuboid([1.0, 0.05, 0.05]);
     let needle = needle
         .transformed(&Isometry3::translation(0.99, 0.0, 0.0))
         .expect("a needle");
@@ -154,9 +143,7 @@ fn a_turn_about_the_place_of_contact_keeps_it() {
     for axis in axes {
         let other = cube(0.3);
         let mut checker = moved(vec![turn(axis, [-PI, PI])], needle.clone(), other);
-        let answer = RangeProver::new(&RangeOptions::default())
-            .pair(&mut checker, A, OTHER, &[-PI], &[PI])
-            .expect("a range");
+        let answer = checker.answer_over(&RangeOptions::default(), [A, OTHER], &[-PI], &[PI]);
         assert_eq!((answer.verdict, answer.cells), (RangeVerdict::Always, 1));
     }
 }
@@ -165,9 +152,7 @@ fn a_turn_about_the_place_of_contact_keeps_it() {
 fn a_width_of_zero_ends_at_its_budget_with_tight_bounds() {
     let mut checker = swing(0.5);
     let options = RangeOptions::default().cells(500).width(ClearanceWidth::Length(0.0));
-    let answer = RangeProver::new(&options)
-        .pair(&mut checker, A, OTHER, &[-0.3, 3.0], &[0.2, 3.0])
-        .expect("a range");
+    let answer = checker.answer_over(&options, [A, OTHER], &[-0.3, 3.0], &[0.2, 3.0]);
     assert!(
         answer.cells <= 500 && answer.lower <= 0.5 && 0.5 <= answer.upper,
         "{answer:?}"
@@ -189,9 +174,12 @@ fn twenty_joints_are_bounded_together() {
         .transformed(&Isometry3::translation(2.0, 1.2, 0.0))
         .expect("a box");
     let mut checker = moved((0..20).map(joint).collect(), cube(0.05), other);
-    let answer = RangeProver::new(&RangeOptions::default().cells(200))
-        .pair(&mut checker, A, OTHER, &[-0.01; 20], &[0.01; 20])
-        .expect("a range");
+    let answer = checker.answer_over(
+        &RangeOptions::default().cells(200),
+        [A, OTHER],
+        &[-0.01; 20],
+        &[0.01; 20],
+    );
     assert!(answer.is_never() && answer.coordinates.len() == 20, "{answer:?}");
     let mut rng = Rng::new(6);
     for _ in 0..300 {
@@ -219,9 +207,7 @@ fn round_bodies_reach_a_width_below_the_error_of_their_prisms() {
             let rail = Joint::prismatic(origin, Vector3::z_axis(), [-0.5, 0.5]);
             let mut checker = moved(vec![rail], shape.clone(), wall.clone());
             let options = RangeOptions::default().width(ClearanceWidth::Length(width));
-            let answer = RangeProver::new(&options)
-                .pair(&mut checker, A, OTHER, &[-0.5], &[0.5])
-                .expect("a range");
+            let answer = checker.answer_over(&options, [A, OTHER], &[-0.5], &[0.5]);
             assert!(answer.is_never() && answer.lower <= 1.0, "{answer:?}");
             assert!(
                 answer.upper - answer.lower <= width && answer.upper >= 1.0,
@@ -235,9 +221,7 @@ fn round_bodies_reach_a_width_below_the_error_of_their_prisms() {
     let cylinder = Shape::cylinder(0.5, 1.0).expect("a cylinder");
     let mut spinning = moved(vec![turn(Vector3::z(), [-PI, PI])], cylinder, wall);
     let options = RangeOptions::default().width(ClearanceWidth::Share(0.1));
-    let answer = RangeProver::new(&options)
-        .pair(&mut spinning, A, OTHER, &[-PI], &[PI])
-        .expect("a range");
+    let answer = spinning.answer_over(&options, [A, OTHER], &[-PI], &[PI]);
     assert!(
         answer.is_never() && answer.lower > 0.9 && answer.lower <= 1.0,
         "{answer:?}"
@@ -274,9 +258,7 @@ fn a_mesh_in_a_hollow_mesh_keeps_off_its_walls() {
         ([2.6, 3.0], "never"),
     ] {
         let (low, high) = ([x[0], -0.3], [x[1], 0.3]);
-        let answer = RangeProver::new(&options)
-            .pair(&mut checker, A, OTHER, &low, &high)
-            .expect("a range");
+        let answer = checker.answer_over(&options, [A, OTHER], &low, &high);
         let found = match answer.verdict {
             RangeVerdict::Never => "never",
             RangeVerdict::Always => "always",
@@ -301,9 +283,9 @@ fn an_answer_goes_on_only_at_a_time() {
     let scene = || {
         let mut cell = Cell::new();
         cell.robot_body("body", cube(0.5));
-        cell.add_obstacle("post", cube(0.5), x(4.5)).expect("an obstacle");
+        cell.put("post", cube(0.5), x(4.5));
         let poses = TimedPoses::new(&[0.0, 1.0], &[x(9.0), x(2.0)]).expect("poses");
-        cell.add_moving_obstacle("cart", cube(0.5), poses).expect("an obstacle");
+        cell.put_moving("cart", cube(0.5), poses);
         let rail = vec![slide(Vector3::x_axis(), [0.0, 3.0])];
         let arm = JointTree::serial(Isometry3::identity(), rail, vec![1], 1.0).expect("an arm");
         Checker::new(arm, cell).expect("a world")
@@ -324,9 +306,7 @@ fn an_answer_goes_on_only_at_a_time() {
         let none = Err(PlanError::NoTime("cart".into()));
         assert_eq!(RangeProver::new(&options).progress(go).resume(&mut later, &begun), none);
         later.set_time(0.0).expect("a time");
-        let whole = RangeProver::new(&options)
-            .pair(&mut later, A, id, &[0.0], &[3.0])
-            .expect("a range");
+        let whole = later.answer_over(&options, [A, id], &[0.0], &[3.0]);
         assert!(whole.is_never(), "{whole:?}");
         assert_eq!(
             RangeProver::new(&options).progress(go).resume(&mut later, &begun),

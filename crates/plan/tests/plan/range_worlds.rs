@@ -4,7 +4,6 @@
 use core::ops::{ControlFlow, Range};
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, Geometry, HalfSpace, Mesh, PairTracker, RelativePose, Shape};
 use lin_canny_plan::{
     Cell, CellBody, CellPair, Checker, ClearanceWidth, ConfigurationSpace, Drive, Joint, JointKind, JointTree,
@@ -14,6 +13,7 @@ use std::f64::consts::PI;
 use truth::rng::Rng;
 
 use crate::ranges::{A, B, OTHER, at, channel, cube, moved, pose, ranges, robot, slide};
+use truth::plans::{Ask, Furnish, cuboid};
 
 /// The distance of a pair at a configuration: bounds, and whether it is within what the pair must keep.
 fn measured<C: ConfigurationSpace>(checker: &Checker<C>, pair: CellPair, q: &[f64]) -> (f64, bool) {
@@ -63,39 +63,34 @@ fn open_box(half: f64) -> Mesh {
 pub(crate) fn add_obstacles(cell: &mut Cell, rng: &mut Rng, size: f64) {
     let scaled = |p: Point3<f64>| Point3::from(p.coords * size);
     let floor = HalfSpace::new(Vector3::z(), -1.5 * size).expect("a plane");
-    cell.add_obstacle("floor", floor, Isometry3::identity())
-        .expect("an obstacle");
+    cell.put("floor", floor, Isometry3::identity());
     let points: Vec<Point3<f64>> = (0..40)
         .map(|_| Point3::from(Vector3::from_fn(|_, _| size * rng.range(-0.5, 0.5))))
         .collect();
     let ball = Shape::ball(0.05 * size).expect("a ball");
-    cell.add_obstacle(
+    cell.put(
         "cloud",
         Cloud::new(&points, ball).expect("a cloud"),
         pose(rng, 2.0 * size),
-    )
-    .expect("an obstacle");
-    cell.add_obstacle("open box", open_box(0.6 * size), pose(rng, 2.0 * size))
-        .expect("an obstacle");
+    );
+    cell.put("open box", open_box(0.6 * size), pose(rng, 2.0 * size));
     let walls = channel().to_mesh().expect("a mesh");
     let corners: Vec<Point3<f64>> = walls.triangles().flat_map(|(_, t)| t.map(scaled)).collect();
     let triangles: Vec<[u32; 3]> = (0..corners.len() as u32 / 3)
         .map(|k| [3 * k, 3 * k + 1, 3 * k + 2])
         .collect();
-    cell.add_obstacle(
+    cell.put(
         "walls",
         Mesh::new(&corners, &triangles).expect("walls"),
         pose(rng, 2.0 * size),
-    )
-    .expect("an obstacle");
+    );
     let way = [pose(rng, size), pose(rng, 3.0 * size)];
     let poses = TimedPoses::new(&[0.0, 1.0], &way).expect("poses");
-    cell.add_moving_obstacle(
+    cell.put_moving(
         "cart",
         Shape::capsule(0.2 * size, 0.1 * size).expect("a capsule"),
         poses,
-    )
-    .expect("an obstacle");
+    );
 }
 
 fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
@@ -112,11 +107,10 @@ fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
         cell.exclude("a", "walls").expect("a pair");
         let limits = tree.bounds().to_vec();
         let mut checker = Checker::new(tree, cell).expect("a robot");
-        let part = solids::cuboid(Vector3::repeat(0.1 * size)).expect("a box");
+        let part = cuboid([0.1 * size; 3]);
         let part = checker
             .cell_mut()
-            .attach("b", "part", part, pose(&mut rng, 0.5 * size), &[])
-            .expect("a part");
+            .carry("b", "part", part, pose(&mut rng, 0.5 * size), &[]);
         let [low, high] = ranges(&mut rng, &limits);
         let mut options = RangeOptions::default().cells(200).samples(40);
         if k % 2 == 0 {
@@ -125,9 +119,7 @@ fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
         let refused = RangeProver::new(&options).all_pairs(&mut checker, &low, &high);
         assert_eq!(refused, Err(PlanError::NoTime("cart".into())));
         checker.set_time(rng.range(0.0, 1.0)).expect("a time");
-        let mut answers = RangeProver::new(&options)
-            .all_pairs(&mut checker, &low, &high)
-            .expect("a range");
+        let mut answers = checker.answers_over(&options, &low, &high);
         let excluded = CellPair::new(A, CellBody::Obstacle(3)).expect("a pair");
         // Both bodies and the part against five obstacles, one excluded; the part is rigid with b.
         assert_eq!(answers.len(), 3 * 5 - 1 + 2);
@@ -137,11 +129,7 @@ fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
                 .iter()
                 .any(|answer| answer.pair.a == part || answer.pair.b == part)
         );
-        answers.push(
-            RangeProver::new(&options)
-                .pair(&mut checker, excluded.a, excluded.b, &low, &high)
-                .expect("an excluded pair"),
-        );
+        answers.push(checker.answer_over(&options, [excluded.a, excluded.b], &low, &high));
         for answer in &answers {
             judge(&checker, answer, samples, &mut rng);
             let of = match answer.verdict {
@@ -175,7 +163,7 @@ fn a_range_beside_a_moving_obstacle_needs_a_time() {
     let mut cell = Cell::new();
     cell.robot_body("body", cube(0.5));
     let poses = TimedPoses::new(&[0.0, 1.0], &[x(9.0), x(2.0)]).expect("poses");
-    let cart = cell.add_moving_obstacle("cart", cube(0.5), poses).expect("an obstacle");
+    let cart = cell.put_moving("cart", cube(0.5), poses);
     let arm = JointTree::serial(
         Isometry3::identity(),
         vec![slide(Vector3::x_axis(), [0.0, 3.0])],
@@ -190,14 +178,10 @@ fn a_range_beside_a_moving_obstacle_needs_a_time() {
         none
     );
     checker.set_time(0.0).expect("a time");
-    let early = RangeProver::new(&options)
-        .pair(&mut checker, A, cart, &[0.0], &[3.0])
-        .expect("a range");
+    let early = checker.answer_over(&options, [A, cart], &[0.0], &[3.0]);
     assert!(early.is_never() && early.lower <= 5.0, "{early:?}");
     checker.set_time(1.0).expect("a time");
-    let late = RangeProver::new(&options)
-        .pair(&mut checker, A, cart, &[0.0], &[3.0])
-        .expect("a range");
+    let late = checker.answer_over(&options, [A, cart], &[0.0], &[3.0]);
     assert!(matches!(late.verdict, RangeVerdict::Both { .. }), "{late:?}");
     // The obstacle has moved since the answer.
     let go = &mut |_| ControlFlow::Continue(());
@@ -214,9 +198,7 @@ fn a_range_of_no_width_at_the_margin_is_within_it() {
         let mut checker = moved(vec![slide(Vector3::x_axis(), [2.0, 5.0])], cube(1.0), cube(1.0));
         checker.cell_mut().set_margin(0.5).expect("a margin");
         let options = RangeOptions::default();
-        let answer = RangeProver::new(&options)
-            .pair(&mut checker, A, OTHER, &[at], &[at])
-            .expect("a range");
+        let answer = checker.answer_over(&options, [A, OTHER], &[at], &[at]);
         // The slide rounds to a grid of 2^-51.
         let is_at = at - 2.0 <= 0.5;
         assert!(is_at == is_within || gap != 0.5);
@@ -266,9 +248,7 @@ fn a_coordinate_of_no_width_on_a_link_that_turns_is_no_single_configuration() {
         let gap = [0.0, 0.1, -0.1, 1e-15][k % 4];
         let options = RangeOptions::default();
         let [low, high] = [[-3.0, 1.0 + gap], [3.0, 1.0 + gap]];
-        let answer = RangeProver::new(&options)
-            .pair(&mut checker, A, B, &low, &high)
-            .expect("a range");
+        let answer = checker.answer_over(&options, [A, B], &low, &high);
         judge(&checker, &answer, 200, &mut rng);
         never += u32::from(answer.is_never());
         always += u32::from(answer.verdict == RangeVerdict::Always);
@@ -299,14 +279,10 @@ fn limits_of_a_million_radians_hold_at_samples() {
         let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![2], vec![3.0; 3]).expect("a tree");
         let mut cell = Cell::new();
         cell.robot_body("body", cube(0.1));
-        let post = cell
-            .add_obstacle("post", cube(0.3), Isometry3::translation([0.0, 4.0][k / 4], 0.0, 0.0))
-            .expect("an obstacle");
+        let post = cell.put("post", cube(0.3), Isometry3::translation([0.0, 4.0][k / 4], 0.0, 0.0));
         let mut checker = Checker::new(tree, cell).expect("a world");
         let options = RangeOptions::default().cells(400);
-        let answer = RangeProver::new(&options)
-            .pair(&mut checker, A, post, &[-1e6], &[1e6])
-            .expect("a range");
+        let answer = checker.answer_over(&options, [A, post], &[-1e6], &[1e6]);
         judge(&checker, &answer, 2_000, &mut rng);
         tally[usize::from(answer.is_never())] += 1;
     }
@@ -324,18 +300,12 @@ fn a_turn_before_a_long_slide_reaches_far() {
     let arm = JointTree::serial(Isometry3::identity(), joints, vec![2], 11.0).expect("an arm");
     let mut cell = Cell::new();
     cell.robot_body("ball", ball());
-    let other = cell
-        .add_obstacle("other", ball(), Isometry3::translation(0.0, 8.0, 0.0))
-        .expect("an obstacle");
+    let other = cell.put("other", ball(), Isometry3::translation(0.0, 8.0, 0.0));
     let mut checker = Checker::new(arm, cell).expect("a world");
     let options = RangeOptions::default();
-    let both = RangeProver::new(&options)
-        .pair(&mut checker, A, other, &[-1.0, 0.0], &[2.0, 10.0])
-        .expect("a range");
+    let both = checker.answer_over(&options, [A, other], &[-1.0, 0.0], &[2.0, 10.0]);
     assert!(matches!(both.verdict, RangeVerdict::Both { .. }), "{both:?}");
-    let short = RangeProver::new(&options)
-        .pair(&mut checker, A, other, &[-1.0, 0.0], &[2.0, 7.7])
-        .expect("a range");
+    let short = checker.answer_over(&options, [A, other], &[-1.0, 0.0], &[2.0, 7.7]);
     assert!(short.is_never() && short.lower <= 0.1 + 1e-12, "{short:?}");
 }
 
@@ -349,9 +319,7 @@ fn an_answer_about_other_bodies_is_not_resumed() {
     let options = RangeOptions::default();
     let go = &mut |_| ControlFlow::Continue(());
     let mut checker = moved(joint(), cube(0.5), far(2.0));
-    let open = RangeProver::new(&options.cells(0))
-        .pair(&mut checker, A, OTHER, &[-PI], &[PI])
-        .expect("a range");
+    let open = checker.answer_over(&options.cells(0), [A, OTHER], &[-PI], &[PI]);
     assert!(matches!(open.verdict, RangeVerdict::Open { .. }));
     let answer = RangeProver::new(&options)
         .progress(go)
@@ -414,18 +382,16 @@ fn errors_of_joints_and_places_of_obstacles_are_coordinates_with_a_range() {
     ];
     let limits = vec![[0.5, 1.0], [-0.1, 0.1], [-0.1, 0.1]];
     let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![2, 3], vec![1.0; 4]).expect("a tree");
-    let rod = solids::cuboid(Vector3::new(0.5, 0.05, 0.05)).expect("a box");
+    let rod = cuboid([0.5, 0.05, 0.05]);
     let mut cell = Cell::new();
     let rod = rod.transformed(&Isometry3::translation(0.5, 0.0, 0.0)).expect("a rod");
     cell.robot_body("rod", rod);
-    cell.robot_body("wall", solids::cuboid(Vector3::new(0.1, 2.0, 2.0)).expect("a wall"));
+    cell.robot_body("wall", cuboid([0.1, 2.0, 2.0]));
     let mut checker = Checker::new(tree, cell).expect("a world");
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-6));
     for (error, place) in [(0.0, 0.0), (0.05, 0.0), (0.0, 0.03), (0.05, 0.03), (0.1, 0.1)] {
         let (low, high) = ([0.5, -error, -place], [1.0, error, place]);
-        let answer = RangeProver::new(&options)
-            .pair(&mut checker, A, B, &low, &high)
-            .expect("a range");
+        let answer = checker.answer_over(&options, [A, B], &low, &high);
         let least = 0.5 - error;
         let truth = 1.2 - place - (least.cos() + 0.05 * least.sin());
         assert!(answer.is_never(), "{answer:?}");
@@ -438,9 +404,7 @@ fn errors_of_joints_and_places_of_obstacles_are_coordinates_with_a_range() {
     checker.cell_mut().set_margin(0.27).expect("a margin");
     for (error, place, is_never) in [(0.0, 0.0, true), (0.1, 0.0, false), (0.0, 0.1, false)] {
         let (low, high) = ([0.5, -error, -place], [1.0, error, place]);
-        let answer = RangeProver::new(&options)
-            .pair(&mut checker, A, B, &low, &high)
-            .expect("a range");
+        let answer = checker.answer_over(&options, [A, B], &low, &high);
         assert_eq!(answer.is_never(), is_never, "{answer:?}");
     }
 }
@@ -462,17 +426,13 @@ fn tolerances_of_a_part_are_coordinates_with_a_range() {
     let joints = vec![lift, off, tilt];
     let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![3], vec![2.0; 4]).expect("a tree");
     let mut cell = Cell::new();
-    cell.robot_body("peg", solids::cuboid(Vector3::new(0.1, 0.1, 0.5)).expect("a peg"));
-    let wall = cell
-        .add_obstacle("wall", cube(1.0), Isometry3::translation(1.2, 0.0, 0.0))
-        .expect("an obstacle");
+    cell.robot_body("peg", cuboid([0.1, 0.1, 0.5]));
+    let wall = cell.put("wall", cube(1.0), Isometry3::translation(1.2, 0.0, 0.0));
     let mut checker = Checker::new(tree, cell).expect("a world");
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-4));
     let mut prove = |off: f64, tilt: f64| {
         let (low, high) = ([-0.5, -off, -tilt], [0.5, off, tilt]);
-        RangeProver::new(&options)
-            .pair(&mut checker, A, wall, &low, &high)
-            .expect("a range")
+        checker.answer_over(&options, [A, wall], &low, &high)
     };
     assert!((prove(0.0, 0.0).lower - 0.1).abs() < 2e-4);
     for (off, tilt) in [(0.02, 0.0), (0.0, 0.1), (0.02, 0.05)] {

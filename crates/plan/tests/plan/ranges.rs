@@ -11,6 +11,7 @@ use lin_canny_plan::{
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use truth::cells::ArmCell;
+use truth::plans::{Ask, Furnish, cuboid};
 use truth::rng::Rng;
 
 pub(crate) const A: CellBody = CellBody::Robot(0);
@@ -232,9 +233,7 @@ fn random_boxes(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
             if turn == 0 {
                 options = options.width(ClearanceWidth::Share(0.1));
             }
-            let answer = RangeProver::new(&options)
-                .pair(&mut checker, A, B, &low, &high)
-                .expect("a range");
+            let answer = checker.answer_over(&options, [A, B], &low, &high);
             judge(&mut oracle, &answer, kept, samples, &mut rng);
             if turn == 0 && answer.is_never() {
                 assert!(
@@ -275,15 +274,14 @@ pub(crate) fn moved(joints: Vec<Joint>, body: impl Into<Geometry>, other: impl I
     let arm = JointTree::serial(Isometry3::identity(), joints, links, 1.0).expect("an arm");
     let mut cell = Cell::new();
     cell.robot_body("body", body);
-    cell.add_obstacle("other", other, Isometry3::identity())
-        .expect("an obstacle");
+    cell.put("other", other, Isometry3::identity());
     Checker::new(arm, cell).expect("a world")
 }
 
 pub(crate) const OTHER: CellBody = CellBody::Obstacle(0);
 
 pub(crate) fn cube(half: f64) -> ConvexPolyhedron {
-    solids::cuboid(Vector3::repeat(half)).expect("a box")
+    cuboid([half; 3])
 }
 
 pub(crate) fn slide(axis: Unit<Vector3<f64>>, limits: [f64; 2]) -> Joint {
@@ -299,9 +297,7 @@ fn a_range_of_no_width_is_a_configuration() {
         let mut checker = Checker::new(tree.clone(), cell).expect("a robot");
         let q: Vec<f64> = tree.bounds().iter().map(|[low, high]| rng.range(*low, *high)).collect();
         let is_free = checker.is_free_at(&q).expect("a configuration");
-        let answer = RangeProver::new(&RangeOptions::default())
-            .pair(&mut checker, A, B, &q, &q)
-            .expect("a range");
+        let answer = checker.answer_over(&RangeOptions::default(), [A, B], &q, &q);
         let verdict = if is_free {
             RangeVerdict::Never
         } else {
@@ -318,9 +314,7 @@ fn boxes_that_touch_at_one_end_of_a_slide_do_both() {
     for (from, name) in [(2.0, "touch"), (2.0 + 1e-9, "never")] {
         let mut checker = moved(vec![slide(Vector3::x_axis(), [2.0, 5.0])], cube(1.0), cube(1.0));
         let options = RangeOptions::default();
-        let answer = RangeProver::new(&options)
-            .pair(&mut checker, A, OTHER, &[from], &[5.0])
-            .expect("a range");
+        let answer = checker.answer_over(&options, [A, OTHER], &[from], &[5.0]);
         match answer.verdict {
             RangeVerdict::Both { touching, .. } => assert_eq!((name, touching), ("touch", vec![2.0])),
             RangeVerdict::Never => assert!(name == "never" && answer.lower <= 1e-9),
@@ -341,9 +335,7 @@ fn boxes_that_touch_at_one_inner_configuration_are_never_free() {
     let mut checker = moved(vec![turn], edge, cube(1.0));
     checker.cell_mut().set_margin(0.3).expect("a margin");
     let options = RangeOptions::default().cells(300);
-    let answer = RangeProver::new(&options)
-        .pair(&mut checker, A, OTHER, &[-0.1], &[0.1])
-        .expect("a range");
+    let answer = checker.answer_over(&options, [A, OTHER], &[-0.1], &[0.1]);
     assert!(!answer.is_never() || answer.lower > 0.3, "{answer:?}");
 }
 
@@ -351,7 +343,7 @@ fn boxes_that_touch_at_one_inner_configuration_are_never_free() {
 fn full_turns_and_more_are_one_turn() {
     // A rod that turns beside a post.
     let rod = |from: f64| {
-        let rod = solids::cuboid(Vector3::new(0.4, 0.05, 0.05)).expect("a box");
+        let rod = cuboid([0.4, 0.05, 0.05]);
         rod.transformed(&Isometry3::translation(0.5 + from, 0.0, 0.0))
             .expect("a rod")
     };
@@ -365,14 +357,10 @@ fn full_turns_and_more_are_one_turn() {
         let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-limit, limit]);
         let options = RangeOptions::default();
         let mut never = moved(vec![turn.clone()], rod(0.0), post(1.2));
-        let answer = RangeProver::new(&options)
-            .pair(&mut never, A, OTHER, &[-limit], &[limit])
-            .expect("a range");
+        let answer = never.answer_over(&options, [A, OTHER], &[-limit], &[limit]);
         assert!(answer.is_never() && answer.cells < 40, "{turns}: {answer:?}");
         let mut both = moved(vec![turn], rod(0.0), post(0.95));
-        let answer = RangeProver::new(&options)
-            .pair(&mut both, A, OTHER, &[-limit], &[limit])
-            .expect("a range");
+        let answer = both.answer_over(&options, [A, OTHER], &[-limit], &[limit]);
         assert!(
             matches!(answer.verdict, RangeVerdict::Both { .. }),
             "{turns}: {answer:?}"
@@ -383,15 +371,13 @@ fn full_turns_and_more_are_one_turn() {
 #[test]
 fn links_that_overlap_about_their_joint_always_meet() {
     let turn = Joint::revolute(Isometry3::identity(), Vector3::z_axis(), [-TAU, TAU]);
-    let rod = solids::cuboid(Vector3::new(0.5, 0.1, 0.1)).expect("a box");
+    let rod = cuboid([0.5, 0.1, 0.1]);
     for shape in [
         Geometry::from(rod.clone()),
         Shape::from(rod).rounded(0.01).expect("a shape").into(),
     ] {
         let mut checker = moved(vec![turn.clone(), turn.clone()], shape, cube(0.2));
-        let answer = RangeProver::new(&RangeOptions::default())
-            .pair(&mut checker, A, OTHER, &[-TAU; 2], &[TAU; 2])
-            .expect("a range");
+        let answer = checker.answer_over(&RangeOptions::default(), [A, OTHER], &[-TAU; 2], &[TAU; 2]);
         assert_eq!((answer.verdict, answer.cells), (RangeVerdict::Always, 1));
     }
 }
@@ -422,17 +408,10 @@ fn bodies_of_one_link_are_one_cell() {
                 .expect("a box"),
         );
         let mut checker = Checker::new(arm.clone(), cell).expect("a world");
-        let answer = RangeProver::new(&RangeOptions::default())
-            .pair(&mut checker, B, A, &[-1.0], &[1.0])
-            .expect("a range");
+        let answer = checker.answer_over(&RangeOptions::default(), [B, A], &[-1.0], &[1.0]);
         assert_eq!((answer.verdict, answer.coordinates, answer.cells), (verdict, vec![], 1));
         // Pairs that keep their pose are not measured.
-        assert_eq!(
-            RangeProver::new(&RangeOptions::default())
-                .all_pairs(&mut checker, &[-1.0], &[1.0])
-                .expect("a range"),
-            []
-        );
+        assert_eq!(checker.answers_over(&RangeOptions::default(), &[-1.0], &[1.0]), []);
     }
 }
 
@@ -448,9 +427,7 @@ fn a_pair_that_stays_closer_than_its_margin_always_meets() {
     );
     for (margin, verdict) in [(0.05, RangeVerdict::Never), (0.15, RangeVerdict::Always)] {
         checker.cell_mut().set_margin(margin).expect("a margin");
-        let answer = RangeProver::new(&RangeOptions::default())
-            .pair(&mut checker, A, OTHER, &[-PI], &[PI])
-            .expect("a range");
+        let answer = checker.answer_over(&RangeOptions::default(), [A, OTHER], &[-PI], &[PI]);
         assert_eq!(answer.verdict, verdict, "{answer:?}");
     }
 }
@@ -460,14 +437,11 @@ fn a_block_in_the_plane_keeps_off_a_post() {
     let space = PlanarSpace::new([[-5.0, 5.0]; 2], 1.5, 1).expect("a space");
     let mut cell = Cell::new();
     cell.robot_body("block", cube(1.0));
-    cell.add_obstacle("post", cube(1.0), Isometry3::identity())
-        .expect("an obstacle");
+    cell.put("post", cube(1.0), Isometry3::identity());
     let mut checker = Checker::new(space, cell).expect("a world");
     let width = ClearanceWidth::Length(1e-3);
     let options = RangeOptions::default().width(width);
-    let answer = RangeProver::new(&options)
-        .pair(&mut checker, A, OTHER, &[3.0, -1.0, -4.0], &[5.0, 1.0, 4.0])
-        .expect("a range");
+    let answer = checker.answer_over(&options, [A, OTHER], &[3.0, -1.0, -4.0], &[5.0, 1.0, 4.0]);
     // A corner of the block points at the post.
     let truth = 2.0 - 2f64.sqrt();
     assert!(
@@ -503,9 +477,7 @@ fn fingers_that_mimic_each_other_keep_their_distance() {
     cell.robot_body("b", cube(1.0));
     let mut checker = Checker::new(tree, cell).expect("a world");
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-9));
-    let answer = RangeProver::new(&options)
-        .pair(&mut checker, A, B, &[0.0], &[100.0])
-        .expect("a range");
+    let answer = checker.answer_over(&options, [A, B], &[0.0], &[100.0]);
     assert!(answer.is_never() && answer.lower > 0.1 - 1e-8, "{answer:?}");
 }
 
@@ -515,23 +487,19 @@ fn a_floor_stays_below_an_arm() {
     let turn = |z: f64, axis| Joint::revolute(Isometry3::translation(0.0, 0.0, z), axis, [-PI, PI]);
     let joints = || vec![turn(1.5, Vector3::z_axis()), turn(0.0, Vector3::y_axis())];
     let rod = |x: f64| {
-        let rod = solids::cuboid(Vector3::new(0.5, 0.1, 0.1)).expect("a box");
+        let rod = cuboid([0.5, 0.1, 0.1]);
         rod.transformed(&Isometry3::translation(x, 0.0, 0.0)).expect("a rod")
     };
     let options = RangeOptions::default().width(ClearanceWidth::Share(0.01));
     let mut above = moved(joints(), rod(0.5), floor);
-    let answer = RangeProver::new(&options)
-        .pair(&mut above, A, OTHER, &[-PI; 2], &[PI; 2])
-        .expect("a range");
+    let answer = above.answer_over(&options, [A, OTHER], &[-PI; 2], &[PI; 2]);
     let truth = 1.5 - 1.01f64.sqrt();
     assert!(
         answer.is_never() && answer.lower <= truth && answer.lower > 0.98 * truth,
         "{answer:?}"
     );
     let mut meets = moved(joints(), rod(1.2), floor);
-    let answer = RangeProver::new(&options)
-        .pair(&mut meets, A, OTHER, &[-PI; 2], &[PI; 2])
-        .expect("a range");
+    let answer = meets.answer_over(&options, [A, OTHER], &[-PI; 2], &[PI; 2]);
     assert!(matches!(answer.verdict, RangeVerdict::Both { .. }), "{answer:?}");
 }
 
@@ -563,15 +531,11 @@ fn a_block_in_a_channel_never_meets_its_walls() {
         let mut checker = moved(joints, inner.clone(), other);
         let (low, high) = ([-1.0, -0.3], [1.0, 0.3]);
         let options = RangeOptions::default().cells(400);
-        let answer = RangeProver::new(&options)
-            .pair(&mut checker, A, OTHER, &low, &high)
-            .expect("a range");
+        let answer = checker.answer_over(&options, [A, OTHER], &low, &high);
         let truth = 0.5 - 0.2 * (0.3f64.cos() + 0.3f64.sin());
         assert!(answer.is_never() && answer.lower <= truth, "{answer:?}");
         // Deep in the material, and free of it.
-        let answer = RangeProver::new(&options)
-            .pair(&mut checker, A, OTHER, &[-1.0, 0.0], &[1.0, 0.0])
-            .expect("a range");
+        let answer = checker.answer_over(&options, [A, OTHER], &[-1.0, 0.0], &[1.0, 0.0]);
         assert!(answer.is_never(), "{answer:?}");
     }
 }
@@ -582,17 +546,11 @@ fn a_mesh_inside_a_mesh_always_meets_it() {
     let large = lin_canny::Mesh::from_convex(&cube(1.0)).expect("a mesh");
     let mut checker = moved(vec![slide(Vector3::x_axis(), [-3.0, 3.0])], small, large);
     let options = RangeOptions::default();
-    let inside = RangeProver::new(&options)
-        .pair(&mut checker, A, OTHER, &[-0.5], &[0.5])
-        .expect("a range");
+    let inside = checker.answer_over(&options, [A, OTHER], &[-0.5], &[0.5]);
     assert_eq!(inside.verdict, RangeVerdict::Always);
-    let both = RangeProver::new(&options)
-        .pair(&mut checker, A, OTHER, &[-0.5], &[2.0])
-        .expect("a range");
+    let both = checker.answer_over(&options, [A, OTHER], &[-0.5], &[2.0]);
     assert!(matches!(both.verdict, RangeVerdict::Both { .. }), "{both:?}");
-    let outside = RangeProver::new(&options)
-        .pair(&mut checker, A, OTHER, &[1.2], &[3.0])
-        .expect("a range");
+    let outside = checker.answer_over(&options, [A, OTHER], &[1.2], &[3.0]);
     assert!(outside.is_never(), "{outside:?}");
 }
 
@@ -605,13 +563,9 @@ fn bodies_without_an_inside_are_answered() {
     let slide = slide(Vector3::z_axis(), [-0.5, 2.0]);
     let mut checker = moved(vec![turn, slide], segment, point);
     let options = RangeOptions::default().cells(2_000);
-    let never = RangeProver::new(&options)
-        .pair(&mut checker, A, OTHER, &[-PI, -0.5], &[PI, 0.9])
-        .expect("a range");
+    let never = checker.answer_over(&options, [A, OTHER], &[-PI, -0.5], &[PI, 0.9]);
     assert!(never.is_never() && never.lower <= 0.1, "{never:?}");
-    let both = RangeProver::new(&options)
-        .pair(&mut checker, A, OTHER, &[-PI, -0.5], &[PI, 1.0])
-        .expect("a range");
+    let both = checker.answer_over(&options, [A, OTHER], &[-PI, -0.5], &[PI, 1.0]);
     assert!(matches!(both.verdict, RangeVerdict::Both { .. }), "{both:?}");
 }
 
@@ -626,18 +580,11 @@ fn an_attached_part_is_part_of_the_robot() {
             .expect("a post"),
     );
     let at = Isometry3::translation(1.0, 0.0, 0.0);
-    let part = checker
-        .cell_mut()
-        .attach("body", "part", cube(0.2), at, &[])
-        .expect("a part");
+    let part = checker.cell_mut().carry("body", "part", cube(0.2), at, &[]);
     let options = RangeOptions::default();
-    let near = RangeProver::new(&options)
-        .pair(&mut checker, part, OTHER, &[-PI], &[PI])
-        .expect("a range");
+    let near = checker.answer_over(&options, [part, OTHER], &[-PI], &[PI]);
     assert!(near.is_never() && near.lower <= 0.7, "{near:?}");
-    let answers = RangeProver::new(&options)
-        .all_pairs(&mut checker, &[-PI], &[PI])
-        .expect("a range");
+    let answers = checker.answers_over(&options, &[-PI], &[PI]);
     assert_eq!(answers.len(), 2);
     assert!(answers.iter().all(RangeAnswer::is_never));
 }
@@ -654,12 +601,8 @@ fn a_search_that_is_stopped_goes_on_with_its_cells() {
             RangeOptions::default(),
             RangeOptions::default().width(ClearanceWidth::Share(0.2)),
         ] {
-            let whole = RangeProver::new(&options.cells(600))
-                .pair(&mut checker, A, B, &low, &high)
-                .expect("a range");
-            let mut parts = RangeProver::new(&options.cells(100))
-                .pair(&mut checker, A, B, &low, &high)
-                .expect("a range");
+            let whole = checker.answer_over(&options.cells(600), [A, B], &low, &high);
+            let mut parts = checker.answer_over(&options.cells(100), [A, B], &low, &high);
             for _ in 0..5 {
                 if matches!(parts.verdict, RangeVerdict::Open { .. }) {
                     resumed += 1;
@@ -705,9 +648,7 @@ fn meshes_of_a_cell_hold_at_samples() {
         let [low, high] = ranges(&mut rng, arm.bounds());
         let mut checker = Checker::new(made.arm(), made.cell()).expect("a cell");
         let options = RangeOptions::default().cells(60).samples(20);
-        let answers = RangeProver::new(&options)
-            .all_pairs(&mut checker, &low, &high)
-            .expect("a range");
+        let answers = checker.answers_over(&options, &low, &high);
         let is_never = answers.iter().all(RangeAnswer::is_never);
         let always = answers.iter().any(|answer| answer.verdict == RangeVerdict::Always);
         let mut blocked = 0;
@@ -773,9 +714,7 @@ fn wrong_ranges_are_refused() {
         RangeProver::new(&options).pair(&mut checker, A, A, &[0.0; 2], &[1.0; 2]),
         Err(PlanError::NoBody(A))
     );
-    let answer = RangeProver::new(&options)
-        .pair(&mut checker, A, OTHER, &[0.0; 2], &[1.0; 2])
-        .expect("a range");
+    let answer = checker.answer_over(&options, [A, OTHER], &[0.0; 2], &[1.0; 2]);
     let mut other = moved(vec![slide(Vector3::x_axis(), [-1.0, 1.0])], cube(1.0), cube(1.0));
     let go = &mut |_| ControlFlow::Continue(());
     assert!(
@@ -787,8 +726,7 @@ fn wrong_ranges_are_refused() {
     let space = RigidSpace::new([[-4.0, 4.0]; 3], 0.5, 1).expect("a space");
     let mut cell = Cell::new();
     cell.robot_body("body", cube(1.0));
-    cell.add_obstacle("other", cube(1.0), Isometry3::identity())
-        .expect("an obstacle");
+    cell.put("other", cube(1.0), Isometry3::identity());
     let mut rigid = Checker::new(space, cell).expect("a world");
     let q = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     assert_eq!(
@@ -800,9 +738,9 @@ fn wrong_ranges_are_refused() {
 #[test]
 fn a_swinging_rod_keeps_its_distance_to_the_width_asked_for() {
     // The tip is nearest to the wall at the angle 0.
-    let rod = solids::cuboid(Vector3::new(0.5, 1e-3, 1e-3)).expect("a box");
+    let rod = cuboid([0.5, 1e-3, 1e-3]);
     let rod = rod.transformed(&Isometry3::translation(0.5, 0.0, 0.0)).expect("a rod");
-    let wall = solids::cuboid(Vector3::new(0.1, 2.0, 2.0)).expect("a box");
+    let wall = cuboid([0.1, 2.0, 2.0]);
     let wall = wall
         .transformed(&Isometry3::translation(1.2, 0.0, 0.0))
         .expect("a wall");
@@ -811,9 +749,7 @@ fn a_swinging_rod_keeps_its_distance_to_the_width_asked_for() {
     for width in [1e-2, 1e-4, 1e-6, 1e-8] {
         let mut checker = moved(vec![turn.clone()], rod.clone(), wall.clone());
         let options = RangeOptions::default().width(ClearanceWidth::Length(width));
-        let answer = RangeProver::new(&options)
-            .pair(&mut checker, A, OTHER, &[-1.5], &[1.5])
-            .expect("a range");
+        let answer = checker.answer_over(&options, [A, OTHER], &[-1.5], &[1.5]);
         assert!(
             answer.is_never() && answer.lower <= truth && truth <= answer.upper,
             "{answer:?}"

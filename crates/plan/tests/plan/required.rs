@@ -6,6 +6,7 @@ use lin_canny::{HalfSpace, Shape};
 use lin_canny_plan::{
     Cell, CellBody, CellPair, Checker, JointMotion, PlanError, RequiredDistance, TranslationSpace, Verdict,
 };
+use truth::plans::{Ask, Furnish};
 
 fn ball(radius: f64) -> Shape {
     Shape::ball(radius).expect("a ball")
@@ -23,7 +24,7 @@ fn space() -> TranslationSpace {
 fn checker() -> Checker<TranslationSpace> {
     let mut cell = Cell::new();
     cell.robot_body("hand", ball(0.5));
-    cell.add_obstacle("post", ball(0.5), at(3.0, 0.0)).expect("a post");
+    cell.put("post", ball(0.5), at(3.0, 0.0));
     Checker::new(space(), cell).expect("a checker")
 }
 
@@ -84,7 +85,7 @@ fn a_verdict_says_meet_only_if_nothing_is_required() {
     for (set, y, distance, words) in settings {
         let mut checker = checker();
         set(&mut checker.cell_mut()).expect("a distance");
-        let verdict = checker.certify(&past(y)).expect("a motion");
+        let verdict = checker.verdict_of(&past(y));
         let text = checker.show(&verdict).to_string();
         assert!(
             text.starts_with("blocked by hand and post, ") && text.contains(words),
@@ -98,12 +99,7 @@ fn a_verdict_says_meet_only_if_nothing_is_required() {
         // Just above what is required the motion is free.
         let mut checker = self::checker();
         set(&mut checker.cell_mut()).expect("a distance");
-        assert!(
-            checker
-                .certify(&past(1.0 + distance + 1e-6))
-                .expect("a motion")
-                .is_free()
-        );
+        assert!(checker.is_free_along(&past(1.0 + distance + 1e-6)));
     }
 }
 
@@ -111,12 +107,12 @@ fn a_verdict_says_meet_only_if_nothing_is_required() {
 fn a_verdict_in_a_tube_says_may() {
     let mut checker = checker();
     let tube = past(1.0).with_radius(0.1).expect("a tube");
-    let verdict = checker.certify(&tube).expect("a motion");
+    let verdict = checker.verdict_of(&tube);
     let text = checker.show(&verdict).to_string();
     assert!(text.contains("which may meet in the tube at "), "{text}");
     assert!(required(&verdict).tube >= 0.1 && required(&verdict).distance == 0.0);
     checker.cell_mut().pad("post", 0.01).expect("a padding");
-    let verdict = checker.certify(&tube).expect("a motion");
+    let verdict = checker.verdict_of(&tube);
     let text = checker.show(&verdict).to_string();
     let words = "which may come within 0.01 (padding of post) in the tube at ";
     assert!(text.contains(words), "{text}");
@@ -126,7 +122,7 @@ fn a_verdict_in_a_tube_says_may() {
 fn a_required_distance_is_exact_or_rounded_up() {
     let mut cell = Cell::new();
     let hand = cell.robot_body("hand", ball(0.5));
-    let post = cell.add_obstacle("post", ball(0.5), at(3.0, 0.0)).expect("a post");
+    let post = cell.put("post", ball(0.5), at(3.0, 0.0));
     let pair = CellPair::new(hand, post).expect("a pair");
     cell.pad("post", 0.01).expect("a padding");
     assert_eq!(cell.required_distance(pair).distance, 0.01);
@@ -143,10 +139,7 @@ fn a_required_distance_is_exact_or_rounded_up() {
 /// The hand carries a part at its side, which passes the post.
 fn carrying() -> (Checker<TranslationSpace>, CellBody) {
     let mut checker = checker();
-    let part = checker
-        .cell_mut()
-        .attach("hand", "part", ball(0.5), at(0.0, -2.0), &[])
-        .expect("a part");
+    let part = checker.cell_mut().carry("hand", "part", ball(0.5), at(0.0, -2.0), &[]);
     (checker, part)
 }
 
@@ -155,9 +148,9 @@ fn the_padding_of_a_link_covers_what_it_carries() {
     // The part is 0.1 from the post, the hand farther.
     let motion = past(3.1);
     let (mut checker, part) = carrying();
-    assert!(checker.certify(&motion).expect("a motion").is_free());
+    assert!(checker.is_free_along(&motion));
     checker.cell_mut().pad("hand", 0.2).expect("a padding");
-    let verdict = checker.certify(&motion).expect("a motion");
+    let verdict = checker.verdict_of(&motion);
     let text = checker.show(&verdict).to_string();
     let words = "blocked by part and post, which come within 0.2 (padding of hand) at ";
     assert!(text.starts_with(words), "{text}");
@@ -170,7 +163,7 @@ fn the_padding_of_a_link_covers_what_it_carries() {
         (None, false),
     ] {
         checker.cell_mut().pad("part", own).expect("a padding");
-        let verdict = checker.certify(&motion).expect("a motion");
+        let verdict = checker.verdict_of(&motion);
         assert_eq!(verdict.is_free(), is_free, "{own:?}: {}", checker.show(&verdict));
         assert_eq!(checker.cell().padding(part), own.unwrap_or(0.2));
         assert_eq!(checker.cell().own_padding(part), own);
@@ -181,8 +174,7 @@ fn the_padding_of_a_link_covers_what_it_carries() {
     // An object that is attached after the link was padded is covered too.
     let late = checker
         .cell_mut()
-        .attach("hand", "late", ball(0.5), at(0.0, 2.0), &["part"])
-        .expect("a part");
+        .carry("hand", "late", ball(0.5), at(0.0, 2.0), &["part"]);
     assert_eq!(checker.cell().padding(late), 0.2);
     assert!(!checker.is_free_at(&[3.0, -3.15, 0.0]).expect("a configuration"));
     // What is put down is no longer carried.
@@ -197,10 +189,8 @@ fn the_padding_of_a_link_covers_what_is_carried_by_a_frame_of_its_body() {
     let mut cell = Cell::new();
     let hand = cell.robot_body("palm", ball(0.5));
     cell.body_frame("hand", 0);
-    cell.add_obstacle("post", ball(0.5), at(3.0, 0.0)).expect("a post");
-    let part = cell
-        .attach("hand", "part", ball(0.5), at(0.0, -2.0), &[])
-        .expect("a part");
+    cell.put("post", ball(0.5), at(3.0, 0.0));
+    let part = cell.carry("hand", "part", ball(0.5), at(0.0, -2.0), &[]);
     cell.pad(hand, 0.2).expect("a padding");
     assert_eq!(cell.padding(part), 0.2);
 }
@@ -208,10 +198,7 @@ fn the_padding_of_a_link_covers_what_is_carried_by_a_frame_of_its_body() {
 #[test]
 fn the_least_excess_decides_whether_a_configuration_is_free() {
     let mut checker = checker();
-    checker
-        .cell_mut()
-        .add_obstacle("wall", ball(0.5), at(0.0, 3.0))
-        .expect("a wall");
+    checker.cell_mut().put("wall", ball(0.5), at(0.0, 3.0));
     checker.cell_mut().pad("wall", 0.5).expect("a padding");
     // The post is nearer, and the wall is padded.
     let q = [1.4, 1.6, 0.0];
@@ -254,14 +241,13 @@ fn a_blocked_verdict_names_the_contacts_at_the_start() {
     let mut cell = Cell::new();
     cell.robot_body("part", ball(0.5));
     let floor = HalfSpace::new(lin_canny::nalgebra::Vector3::z(), -0.5).expect("a floor");
-    cell.add_obstacle("floor", floor, Isometry3::identity())
-        .expect("a floor");
-    cell.add_obstacle("post", ball(0.5), at(3.0, 0.0)).expect("a post");
+    cell.put("floor", floor, Isometry3::identity());
+    cell.put("post", ball(0.5), at(3.0, 0.0));
     let mut checker = Checker::new(space(), cell).expect("a checker");
     checker.set_start_contact_margin(Some(1e-3)).expect("a margin");
     let motion = JointMotion::path(&[[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [6.0, 0.0, 0.0]]).expect("a path");
     for motion in [motion.piece(1).expect("a piece"), motion] {
-        let verdict = checker.certify(&motion).expect("a motion");
+        let verdict = checker.verdict_of(&motion);
         assert_eq!(verdict.name(), "blocked");
         let pairs: Vec<String> = verdict
             .start_contacts()

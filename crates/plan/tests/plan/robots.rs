@@ -5,6 +5,7 @@ use lin_canny::{Geometry, HalfSpace, Shape};
 use lin_canny_plan::{
     Cell, CellBody, Checker, Coordinate, Drive, LinkBody, MotionKind, PlanError, RobotJoint, RobotLink, RobotModel,
 };
+use truth::plans::Furnish;
 
 fn link(name: &str, bodies: Vec<Geometry>) -> RobotLink {
     let at = |body| LinkBody::new(Isometry3::identity(), body);
@@ -157,8 +158,7 @@ fn many_bodies_of_one_name_are_numbered_in_time() {
         let name = cell.free_name("post");
         let expected = if k == 1 { "post".to_owned() } else { format!("post#{k}") };
         assert_eq!(name, expected);
-        cell.add_obstacle(name, ball(), Isometry3::identity())
-            .expect("a free name");
+        cell.put(name, ball(), Isometry3::identity());
     }
     assert_eq!(cell.free_name("arm"), "arm#2");
 }

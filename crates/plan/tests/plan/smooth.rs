@@ -10,6 +10,7 @@ use lin_canny_plan::{
     RigidSpace, SmoothOptions, SmoothPath, Smoother, TranslationSpace,
 };
 use truth::arm::chain::{chain, posts};
+use truth::plans::{Ask, Furnish, cuboid};
 use truth::rng::Rng;
 
 /// Returns whether a polynomial with these Bezier control points is at most `limit` in absolute value, by hulls of its parts.
@@ -171,12 +172,7 @@ fn judged<C: ConfigurationSpace + Clone>(
             .expect("a free path");
         judge(&smooth, &options);
         judge_free(&mut other, &smooth, places);
-        assert!(
-            checker
-                .certify(&JointMotion::spline(&smooth.curves).expect("a motion"))
-                .expect("a spline")
-                .is_free()
-        );
+        assert!(checker.is_free_along(&JointMotion::spline(&smooth.curves).expect("a motion")));
         counts.paths += 1;
         counts.corners += path.len() - 2;
         counts.stops += smooth.stops.len();
@@ -188,7 +184,7 @@ fn judged<C: ConfigurationSpace + Clone>(
 /// A box among boxes.
 fn room() -> Cell {
     let mut cell = Cell::new();
-    cell.robot_body("box", solids::cuboid(Vector3::new(0.15, 0.1, 0.05)).expect("a box"));
+    cell.robot_body("box", cuboid([0.15, 0.1, 0.05]));
     posts(&mut cell, 0.9).expect("posts");
     cell
 }
@@ -226,7 +222,7 @@ fn slider(scale: f64, limit: f64, cell: impl FnOnce(&mut Cell)) -> Checker<Joint
     let rails = vec![rail(Vector3::x_axis()), rail(Vector3::y_axis())];
     let space = JointTree::serial(origin, rails, vec![2], 0.2 * scale).expect("an arm");
     let mut all = Cell::new();
-    all.robot_body("block", solids::cuboid(Vector3::repeat(0.1 * scale)).expect("a box"));
+    all.robot_body("block", cuboid([0.1 * scale; 3]));
     cell(&mut all);
     Checker::new(space, all).expect("a world")
 }
@@ -364,8 +360,7 @@ fn corridor(scale: f64, gap: f64) -> impl FnOnce(&mut Cell) {
         let mut wall = |name: &str, half: [f64; 2], at: [f64; 2]| {
             let half = Vector3::new(half[0], half[1], 1.0) * scale;
             let at = Isometry3::translation(at[0] * scale, at[1] * scale, 0.0);
-            cell.add_obstacle(name, solids::cuboid(half).expect("a box"), at)
-                .expect("an obstacle");
+            cell.put(name, solids::cuboid(half).expect("a box"), at);
         };
         // From (-1, 0) to (0, 0) to (0, 1).
         let near = 0.1 + gap;
@@ -378,7 +373,7 @@ fn corridor(scale: f64, gap: f64) -> impl FnOnce(&mut Cell) {
 /// A curve has a proof if and only if it is free. A proof without planes is that of the segment on which the curve stays.
 fn proofs_agree(checker: &mut Checker<JointTree>, smooth: &SmoothPath) {
     for (k, curve) in smooth.curves.iter().enumerate() {
-        let verdict = checker.certify(&JointMotion::curve(curve)).expect("within limits");
+        let verdict = checker.verdict_of(&JointMotion::curve(curve));
         let proof = crate::prove(checker, &JointMotion::curve(curve)).expect("within limits");
         assert_eq!(proof.is_some(), verdict.is_free(), "piece {k}: {verdict:?}");
         let each = || proof.iter().flatten().map(|pair| &pair.certificates[..]);
@@ -637,7 +632,7 @@ fn faults_are_named() {
     assert!((smooth.duration() - 1.0).abs() < 1e-3, "{}", smooth.duration());
 
     let mut cell = Cell::new();
-    cell.robot_body("part", solids::cuboid(Vector3::repeat(0.1)).expect("a box"));
+    cell.robot_body("part", cuboid([0.1; 3]));
     let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.5, 1).expect("a space");
     let mut rigid = Checker::new(space, cell).expect("a world");
     let at = |x: f64| vec![x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
@@ -692,9 +687,8 @@ fn crowded(rng: &mut Rng) -> Option<(Path, Vec<[f64; 2]>)> {
 fn posted(posts: &[[f64; 2]]) -> impl FnOnce(&mut Cell) {
     move |cell| {
         for (k, [x, y]) in posts.iter().enumerate() {
-            let post = solids::cuboid(Vector3::new(0.02, 0.02, 1.0)).expect("a box");
-            cell.add_obstacle(k, post, Isometry3::translation(*x, *y, 0.0))
-                .expect("an obstacle");
+            let post = cuboid([0.02, 0.02, 1.0]);
+            cell.put(k, post, Isometry3::translation(*x, *y, 0.0));
         }
     }
 }
@@ -713,12 +707,7 @@ fn blends_shrink_or_stop_among_random_posts() {
         let mut checker = slider(1.0, 9.0, posted(&posts));
         let smooth = Smoother::new(&options).smooth(&mut checker, &way).expect("a motion");
         judge(&smooth, &options);
-        assert!(
-            checker
-                .certify(&JointMotion::spline(&smooth.curves).expect("a motion"))
-                .expect("a spline")
-                .is_free()
-        );
+        assert!(checker.is_free_along(&JointMotion::spline(&smooth.curves).expect("a motion")));
         judge_free(&mut slider(1.0, 9.0, posted(&posts)), &smooth, 500);
         let open = Smoother::new(&options)
             .smooth(&mut slider(1.0, 9.0, |_| {}), &way)
@@ -756,12 +745,7 @@ fn blends_that_barely_pass_are_proven_as_returned() {
             let mut checker = slider(1.0, 9.0, posted(&[post]));
             let is_passed = match Smoother::new(&limits).smooth(&mut checker, &way) {
                 Ok(smooth) => {
-                    assert!(
-                        checker
-                            .certify(&JointMotion::spline(&smooth.curves).expect("a motion"))
-                            .expect("a spline")
-                            .is_free()
-                    );
+                    assert!(checker.is_free_along(&JointMotion::spline(&smooth.curves).expect("a motion")));
                     smooth.stops.is_empty()
                 }
                 Err(error) => {

@@ -1,8 +1,10 @@
 //! Receipts made without the library: bodies of eight points, motions by `f64`, planes by search.
 //! The generator proves nothing. What it writes is for the checker to judge, and what the checker
 //! accepts is judged by [`Receipt::is_false`], which samples distances.
-#![allow(dead_code)]
+#![allow(dead_code, unreachable_pub)]
 
+#[path = "../../../../lab/truth/src/rows.rs"]
+pub(crate) mod rows;
 #[path = "../../src/sha256.rs"]
 mod sha256;
 
