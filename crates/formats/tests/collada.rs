@@ -733,59 +733,18 @@ fn the_unit_is_that_of_the_file() {
 
 #[test]
 fn what_is_passed_over_is_listed() {
-    let text = r##"<COLLADA version="1.5.0">
-<asset><up_axis>Y_UP</up_axis></asset>
-<library_materials/>
-<library_cameras/>
-<library_cameras/>
-<library_of_tools/>
-<library_geometries><geometry id="g" name="plate"><mesh>
-<source id="s"><float_array id="a">0 0 0 1 0 0 0 1 0</float_array></source>
-<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>
-<linestrips><input semantic="VERTEX" source="#v" offset="0"/><p>0 1</p></linestrips>
-<triangles><input semantic="VERTEX" source="#v" offset="0"/>
-<input semantic="NORMAL" source="#n" offset="0"/>
-<input semantic="TEXCOORD" source="#n" offset="0"/>
-<input semantic="COLOR" source="#n" offset="0"/>
-<input semantic="TANGENT" source="#n" offset="0"/>
-<p>0 1 2</p></triangles>
-</mesh></geometry>
-<geometry id="h"/></library_geometries>
-<library_visual_scenes>
-<visual_scene id="sc"><node>
-<instance_camera url="#c"/>
-<instance_light url="#l"/>
-<extra/>
-<instance_geometry url="#g">
-<bind_material/></instance_geometry></node></visual_scene>
-<visual_scene id="other"/></library_visual_scenes>
-<scene><instance_visual_scene url="#sc"/>
-<instance_physics_scene url="#ps"/></scene></COLLADA>"##;
-    let file = read(text).expect("a mesh");
+    let file = read(include_str!("collada/passed.dae")).expect("a mesh");
     let mut skipped: Vec<_> = file
         .skipped
         .iter()
         .map(|s| (s.line.unwrap_or(0), &s.what[..]))
         .collect();
     skipped.sort_unstable();
-    let expected = [
-        (2, "up_axis (points are not turned)"),
-        (3, "library_materials"),
-        (4, "library_cameras"),
-        (6, "unknown libraries"),
-        (10, "lines"),
-        (12, "normals"),
-        (13, "texture coordinates"),
-        (14, "colors"),
-        (15, "other inputs"),
-        (18, "geometries outside the scene"),
-        (21, "cameras"),
-        (22, "lights"),
-        (23, "extra"),
-        (25, "materials"),
-        (26, "visual scenes that are not selected"),
-        (28, "physics, kinematics and extra of the scene"),
-    ];
+    let skipped: Vec<String> = skipped.iter().map(|(line, what)| format!("{line} | {what}")).collect();
+    let expected: Vec<String> = cases::<2>("what is passed over")
+        .into_iter()
+        .map(|row| row.join(" | "))
+        .collect();
     assert_eq!(skipped, expected);
     assert_eq!(file.objects[0].name, "plate");
     assert_eq!(file.objects[0].points, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);

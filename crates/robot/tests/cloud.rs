@@ -4,7 +4,6 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::polyhedron::solids;
 use lin_canny::{Cloud, CloudElement, PairTracker, RelativePose, Shape};
 use lin_canny_plan::{CellBody, Checker, JointMotion, JointTree, Verdict};
 use lin_canny_robot::{LoadedCell, RobotFiles};

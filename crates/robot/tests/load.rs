@@ -20,19 +20,7 @@ fn parse(text: &str) -> Result<Robot, FileError> {
 
 /// A robot of three links `a`, `b`, `c` in a chain with some of its text replaced.
 fn changed(from: &str, to: &str) -> Result<Robot, FileError> {
-    let text = r#"<robot name="chain">
-  <link name="a"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
-  <link name="b"><collision><geometry><sphere radius="0.5"/></geometry></collision></link>
-  <link name="c"/>
-  <joint name="one" type="revolute">
-    <parent link="a"/><child link="b"/><origin xyz="0 0 1"/><axis xyz="0 0 1"/>
-    <limit lower="-1" upper="1" effort="1" velocity="1"/>
-  </joint>
-  <joint name="two" type="prismatic">
-    <parent link="b"/><child link="c"/><axis xyz="0 1 0"/>
-    <limit lower="0" upper="1" effort="1" velocity="1"/>
-  </joint>
-</robot>"#;
+    let text = include_str!("load/chain.urdf").trim_end();
     assert!(text.contains(from), "{from}");
     parse(&text.replacen(from, to, 1))
 }
@@ -73,20 +61,7 @@ fn the_example_has_one_coordinate_for_both_fingers() {
 
 #[test]
 fn every_solid_and_joint_is_read() {
-    let text = r#"<robot name="all">
-  <link name="root"/><link name="a"/><link name="b"/><link name="d"/>
-  <link name="c">
-    <collision><origin xyz="1 2 3" rpy="0 0 1.5"/><geometry><capsule radius="1" length="2"/></geometry></collision>
-    <collision><geometry><cylinder radius="1" length="2"/></geometry></collision>
-    <collision><geometry><sphere radius="1"/></geometry></collision>
-    <collision><geometry><box size="1 2 3"/></geometry></collision>
-  </link>
-  <joint name="f" type="floating"><parent link="root"/><child link="a"/></joint>
-  <joint name="p" type="planar"><parent link="a"/><child link="b"/><axis xyz="0 0 2"/></joint>
-  <joint name="t" type="continuous"><parent link="b"/><child link="c"/></joint>
-  <joint name="x" type="fixed"><parent link="b"/><child link="d"/></joint>
-</robot>"#;
-    let robot = parse(text).expect("a robot");
+    let robot = parse(include_str!("load/all.urdf")).expect("a robot");
     assert_eq!(robot.coordinates().len(), 6 + 3 + 1);
     assert_eq!(robot.coordinates()[6].name, "p/x");
     let bodies = &robot.links()[robot.link("c").expect("a link")].bodies;

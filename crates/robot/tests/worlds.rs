@@ -5,7 +5,6 @@ use lin_canny_plan::JointMotion;
 use std::path::Path;
 
 use lin_canny_robot::lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use lin_canny_robot::lin_canny::polyhedron::solids;
 use lin_canny_robot::lin_canny::{
     Cloud, CloudElement, Compound, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Piece, Shape,
 };
@@ -21,23 +20,7 @@ fn cases<const N: usize>(section: &str) -> Vec<[String; N]> {
 }
 
 /// An arm of three links, of which one has two bodies, and a tool without bodies.
-const ARM: &str = r#"<robot name="arm">
-  <link name="base"/>
-  <link name="upper"><collision><origin xyz="0.4 0 0"/><geometry><box size="0.8 0.14 0.12"/></geometry></collision></link>
-  <link name="fore">
-    <collision><origin xyz="0.2 0 0"/><geometry><box size="0.4 0.12 0.12"/></geometry></collision>
-    <collision><origin xyz="0.6 0 0"/><geometry><cylinder radius="0.07" length="0.3"/></geometry></collision>
-  </link>
-  <link name="hand"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
-  <link name="tool"/>
-  <joint name="turn" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
-    <limit lower="-2.5" upper="2.5" effort="1" velocity="1"/></joint>
-  <joint name="bend" type="revolute"><parent link="upper"/><child link="fore"/><origin xyz="1 0 0"/><axis xyz="0 1 0"/>
-    <limit lower="-2.5" upper="2.5" effort="1" velocity="1"/></joint>
-  <joint name="slide" type="prismatic"><parent link="fore"/><child link="hand"/><origin xyz="1 0 0"/><axis xyz="1 0 0"/>
-    <limit lower="0" upper="0.3" effort="1" velocity="1"/></joint>
-  <joint name="grip" type="fixed"><parent link="hand"/><child link="tool"/><origin xyz="0.2 0 0.05" rpy="0 0.4 0.1"/></joint>
-</robot>"#;
+const ARM: &str = include_str!("worlds/arm.urdf");
 
 /// The setup of the arm with adjacent links excluded.
 fn setup() -> Cell {

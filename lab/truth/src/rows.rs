@@ -20,6 +20,25 @@ use std::collections::BTreeMap;
 
 /// Returns the rows of a section.
 ///
+/// ```
+/// use truth::rows::{numbers, rows};
+/// let text = r"
+/// $unit = <size>1 1 1</size>
+///
+/// == sizes
+/// <box>$unit</box>       | 1 1 1
+/// <box>\n\|$none</box>\s  | 2
+/// == others
+/// | three | fields
+/// ";
+/// let [one, two] = rows::<2>(text, "sizes").try_into().unwrap();
+/// assert_eq!(one, ["<box><size>1 1 1</size></box>", "1 1 1"]);
+/// assert_eq!(two, ["<box>\n|$none</box> ", "2"]);
+/// assert_eq!(numbers(&one[1]), [1.0, 1.0, 1.0]);
+/// assert_eq!(numbers(&two[1]), [2.0, 2.0, 2.0]);
+/// assert_eq!(rows(text, "others"), [["", "three", "fields"]]);
+/// ```
+///
 /// # Panics
 /// Panics if the text has no such section, or if a row of the section has another count of fields.
 pub fn rows<const N: usize>(text: &str, section: &str) -> Vec<[String; N]> {

@@ -41,7 +41,7 @@ fn rows(rng: &mut Rng, count: usize) -> Vec<Vec<f64>> {
 
 /// The curves of degree one along a path.
 fn straight(rows: &[Vec<f64>]) -> Vec<JointCurve> {
-    let each = rows.windows(2).map(|ends| bezier(ends));
+    let each = rows.windows(2).map(bezier);
     each.collect()
 }
 
