@@ -16,7 +16,7 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::ACROSS;
-use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, Feature, FeaturePair, VertexId};
+use crate::body::polyhedron::{ConvexPolyhedron, Feature, FeaturePair, VertexId};
 use crate::body::shape::{Core, Flat, Shape, Support, match_core};
 use crate::convex::contact::{ContactCandidate, ContactPoint, HalfSpace, ManifoldOptions, reduce, tangents_of};
 use crate::nonconvex::contact::{ContactGroup, PatchContact};
@@ -142,11 +142,9 @@ impl Spots<'_> {
                 if n.dot(&side).abs() > self.options.max_face_sine * sqrt(side.norm_squared()) {
                     return;
                 }
-                for end in ends {
-                    let feature = match (is_cone, end.z > 0.0) {
-                        (true, true) => Feature::Vertex(VertexId(0)),
-                        (_, is_upper) => Feature::Edge(EdgeId(u32::from(!is_cone && !is_upper))),
-                    };
+                for (branch, end) in (0..).zip(ends) {
+                    let first = Feature::Vertex(VertexId(0));
+                    let feature = match_core!(shape.core(), _ => first, core => core.feature(&[branch], &end));
                     self.add(in_body(end), subshape, feature);
                 }
             }

@@ -5,7 +5,7 @@ use alloc::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Cone, Core, Cylinder, Ellipsoid, Shape, ShapeError, with_curved_kinds};
+use super::{Core, Shape, ShapeError, with_curved_kinds};
 use crate::body::polyhedron::ConvexPolyhedron;
 
 /// Serialized form of a shape.
@@ -22,7 +22,7 @@ macro_rules! stored {
         #[serde(rename = "Core")]
         enum StoredCore {
             Polyhedron(Box<ConvexPolyhedron>),
-            $($kind($kind),)*
+            $($kind(super::$kind),)*
         }
 
         impl From<Core> for StoredCore {

@@ -146,7 +146,7 @@ mod tests {
     use crate::base::num::double_double::DoubleDouble;
     use crate::base::num::scalar::{dot, sub};
     use crate::base::tolerance::UNIT;
-    use crate::body::shape::{Cone, Cylinder, Ellipsoid, with_curved_kinds};
+    use crate::body::shape::with_curved_kinds;
     use crate::rng::Rng;
 
     fn unit(rng: &mut Rng) -> Vec3<f64> {
@@ -167,13 +167,19 @@ mod tests {
     fn check(core: &impl Curved) {
         let mut rng = Rng::new(7);
         let reach = core.reach();
-        // `nonconvex::pieces` and `nonconvex::penetration` take the origin for a point inside.
-        assert!(core.contains(&Vector3::zeros()), "origin");
         for _ in 0..2_000 {
             let (n, m) = (unit(&mut rng), unit(&mut rng));
             let (branch, point) = core.support(&n, 0);
             let slack = 1e-12 * reach;
             assert!(length(&point) <= reach + slack, "reach");
+            // `nonconvex::pieces` and `nonconvex::penetration` take the origin for a point inside.
+            assert!(dot(&n, &point) > 0.0, "origin");
+            let at = Vector3::from(point);
+            assert!(core.contains(&(at * 0.999)), "{at} is inside");
+            assert!(
+                !core.contains(&(at + Vector3::from(n) * (1e-3 * reach))),
+                "{at} is outside"
+            );
             let other = core.support(&m, branch).1;
             assert!(
                 dot(&n, &other) <= dot(&n, &point) + slack,
@@ -188,15 +194,61 @@ mod tests {
 
             // A ball inside the core at the point: its support value is at most that of the core
             // along every direction. `INNER` leaves so much for its error.
-            let (centre, radius) = core.inner_ball(&point.into(), &n.into());
-            let highest = height::<DoubleDouble>(core, &m).hi;
-            let ball = dot(&m, &centre.into()) + radius;
-            assert!(
-                ball <= highest + 64.0 * UNIT * reach,
-                "inner ball: {ball} over {highest}"
-            );
+            check_ball(core, &at, &n.into(), &m.into());
+            // In the middle of a flat part the ball is large.
+            let outward = Vector3::from(n);
+            if let Some(flat) = core.flat(&outward) {
+                let normal = match flat {
+                    Flat::Disc(disc) => Vector3::new(0.0, 0.0, disc.side),
+                    Flat::Line([p, q]) => {
+                        let along = (q - p).normalize();
+                        (outward - along * along.dot(&outward)).normalize()
+                    }
+                };
+                let near = (normal + 0.1 * Vector3::from(m)).normalize();
+                check_ball(core, &flat.middle().into(), &normal, &near);
+                check_ball(core, &flat.middle().into(), &normal, &m.into());
+            }
         }
         check_flat(core);
+        check_mass(core);
+    }
+
+    /// Checks a ball inside that touches the surface at a point with a normal, along a direction.
+    fn check_ball(core: &impl Support, point: &Vector3<f64>, n: &Vector3<f64>, m: &Vector3<f64>) {
+        let (centre, radius) = core.inner_ball(point, n);
+        let highest = height::<DoubleDouble>(core, &(*m).into()).hi;
+        let ball = m.dot(&centre) + radius;
+        assert!(
+            ball <= highest + 64.0 * UNIT * core.reach(),
+            "inner ball at {point} along {m}: {ball} over {highest}"
+        );
+    }
+
+    /// Checks volume and centroid against points of a box that are inside, to some percent.
+    fn check_mass(core: &impl Curved) {
+        let (mut rng, count) = (Rng::new(10), 40_000);
+        let half = Vector3::from([0, 1, 2].map(|k| {
+            let axis = Vector3::ith(k, 1.0);
+            height::<f64>(core, &axis.into()).max(height::<f64>(core, &(-axis).into()))
+        }));
+        let (mut inside, mut sum) = (0, Vector3::zeros());
+        for _ in 0..count {
+            let p = half.map(|h| rng.range(-h, h));
+            if core.contains(&p) {
+                inside += 1;
+                sum += p;
+            }
+        }
+        let volume = 8.0 * half.product() * f64::from(inside) / f64::from(count);
+        let mass = core.mass();
+        assert!(
+            (mass.volume - volume).abs() <= 0.05 * volume,
+            "{} is not {volume}",
+            mass.volume
+        );
+        let off = (mass.centroid.coords - sum / f64::from(inside)).component_div(&half);
+        assert!(off.amax() <= 0.03, "centroid {} is off by {off}", mass.centroid);
     }
 
     /// Checks that discs are faces, and that where the support point jumps there is a flat part
@@ -278,7 +330,7 @@ mod tests {
     macro_rules! checked {
         ($($kind:ident),*) => {
             $(
-                let samples = $kind::samples();
+                let samples = crate::body::shape::$kind::samples();
                 samples.iter().for_each(check);
                 samples.first().iter().for_each(|core| check_bent(*core));
             )*

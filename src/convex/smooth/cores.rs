@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use crate::base::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
-use crate::body::shape::{Cone, Cylinder, Disc, Ellipsoid, Flat, Support, with_curved_kinds};
+use crate::body::shape::{Disc, Flat, Support, with_curved_kinds};
 use crate::pair::difference::support_vertex;
 
 /// A polyhedron in stored coordinates, times a power of two.
@@ -102,18 +102,18 @@ macro_rules! any {
         #[derive(Clone, Copy)]
         pub(super) enum Any<'a> {
             Hull(PolyhedralCore<'a>),
-            $($kind($kind),)*
+            $($kind(crate::body::shape::$kind),)*
             /// The origin alone.
             Point,
         }
 
-        $(impl From<$kind> for Any<'_> {
-            fn from(core: $kind) -> Self {
+        $(impl From<crate::body::shape::$kind> for Any<'_> {
+            fn from(core: crate::body::shape::$kind) -> Self {
                 Self::$kind(core)
             }
         }
 
-        impl CoreKind for $kind {
+        impl CoreKind for crate::body::shape::$kind {
             fn any(&self) -> Any<'_> {
                 Any::$kind(*self)
             }
