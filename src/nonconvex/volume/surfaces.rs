@@ -205,9 +205,10 @@ impl Surface<'_> {
         let area = |t: &u32| {
             let corners = self.corners(*t);
             let [u, v] = [1, 2].each(|k: usize| corners[k] - corners[0]);
-            // The second term is the rounding of the first.
-            let lengths = sqrt(u.norm_squared()) * sqrt(v.norm_squared());
-            let whole = 0.5 * sqrt(u.cross(&v).norm_squared()) + 8.0 * UNIT * lengths;
+            let (long, wide) = (sqrt(u.norm_squared()), sqrt(v.norm_squared()));
+            // Added are the rounding of the area, and what a move of the corners adds to it.
+            let more = 8.0 * UNIT * long * wide + 2.0 * self.off * (long + wide + 2.0 * self.off);
+            let whole = 0.5 * sqrt(u.cross(&v).norm_squared()) + more;
             let inside = bounds.common(&Bounds::of(&corners).grown(self.off));
             let side = (inside.high - inside.low).map(|x| x.larger(0.0));
             // A plane part is no larger than the sum of its projections.
