@@ -182,10 +182,10 @@ impl PairTracker {
     /// other. The bounds hold for the exact pose and for all ties: equal bodies, flush faces, edges
     /// on edges.
     ///
-    /// **Width**: if the pose puts B's vertices into A's frame without rounding, the bounds are a few
-    /// roundings apart, and at most `1e-9` of a volume above `1e-12 L^3` (feature `exact`).
+    /// **Width**: if the pose puts B's vertices into A's frame without rounding, the bounds are a
+    /// few roundings apart, and at most `1e-9` of a volume above `1e-12 L^3` (feature `exact`).
     /// Otherwise each vertex is rounded once. This adds up to `4e-16 L` times the area of B's
-    /// surface near A to each bound, which matters for thin overlaps of large faces.
+    /// surface in the common box to each bound, which matters for shallow overlaps of large faces.
     ///
     /// **Bodies that share no volume** may still touch: [`intersects`](Self::intersects) decides
     /// that, exactly. Bounds around zero do not.
