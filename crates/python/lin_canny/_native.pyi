@@ -56,6 +56,7 @@ __all__ = [
     "MeshRepair",
     "MotionError",
     "NearPair",
+    "OverlapVolume",
     "PairError",
     "PairTracker",
     "Penetration",
@@ -85,6 +86,7 @@ __all__ = [
     "hull_outside",
     "load_mesh",
     "nearest_features",
+    "overlap_batch",
     "penetration_batch",
     "read_points",
     "signed_distance",
@@ -248,6 +250,19 @@ class Closest:
     def __reduce__(self) -> tuple[Any, tuple[bytes]]: ...
 
 @final
+class OverlapVolume:
+    @property
+    def lower(self) -> float: ...
+    @property
+    def upper(self) -> float: ...
+    @property
+    def centroid(self) -> _Vector | None: ...
+    @property
+    def covers_itself(self) -> bool: ...
+    @property
+    def loops(self) -> list[NDArray[np.float64]]: ...
+
+@final
 class Penetration:
     @property
     def lower(self) -> float: ...
@@ -307,6 +322,9 @@ class PairTracker:
         prediction: float = 0.0,
         max_points: int = 4,
     ) -> _Records: ...
+    def overlap(
+        self, a: Geometry, b: Geometry, pose_a: _Pose = None, pose_b: _Pose = None
+    ) -> OverlapVolume: ...
     def penetration(
         self,
         a: Geometry,
@@ -400,6 +418,9 @@ def contacts_batch(
     threads: int = 1,
     progress: _Progress = None,
 ) -> tuple[_Records, NDArray[np.int64]]: ...
+def overlap_batch(
+    a: _Geometries, b: _Geometries, poses: _Poses, *, threads: int = 1, progress: _Progress = None
+) -> _Records: ...
 def penetration_batch(
     a: _Geometries,
     b: _Geometries,

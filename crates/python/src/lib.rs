@@ -40,6 +40,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     class::<geometry::MeshRepair>(module)?;
     class::<tracker::PairTracker>(module)?;
     class::<tracker::Closest>(module)?;
+    class::<tracker::OverlapVolume>(module)?;
     class::<tracker::Penetration>(module)?;
     class::<tracker::Cast>(module)?;
     class::<tracker::StartContact>(module)?;
@@ -64,6 +65,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(tracker::distances, module)?)?;
     module.add_function(wrap_pyfunction!(tracker::closest_batch, module)?)?;
     module.add_function(wrap_pyfunction!(tracker::contacts_batch, module)?)?;
+    module.add_function(wrap_pyfunction!(tracker::overlap_batch, module)?)?;
     module.add_function(wrap_pyfunction!(tracker::penetration_batch, module)?)?;
     module.add_function(wrap_pyfunction!(points::signed_distance, module)?)?;
     module.add_function(wrap_pyfunction!(points::contains, module)?)?;

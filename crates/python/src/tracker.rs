@@ -5,6 +5,7 @@ mod bodies;
 pub(crate) mod cast;
 mod closest;
 mod contacts;
+mod overlap;
 mod pose_batch;
 
 pub(crate) use at_poses::distances;
@@ -13,7 +14,8 @@ pub(crate) use at_poses::rust_loop;
 pub(crate) use cast::{Cast, StartContact};
 pub(crate) use closest::Closest;
 pub(crate) use contacts::Penetration;
-pub(crate) use pose_batch::{closest_batch, contacts_batch, penetration_batch};
+pub(crate) use overlap::OverlapVolume;
+pub(crate) use pose_batch::{closest_batch, contacts_batch, overlap_batch, penetration_batch};
 
 use lin_canny::{Decision, PairTracker as Tracker, QueryOptions};
 use pyo3::prelude::*;

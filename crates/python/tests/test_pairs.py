@@ -147,6 +147,31 @@ def test_penetration_of_solids():
     assert lc.PairTracker().penetration(sheet, BOX) is None
 
 
+def test_overlap_of_solids():
+    cube = lc.Geometry.mesh(BOX.vertices, BOX.triangles)
+    half = np.abs(BOX.vertices).max(axis=0)
+    shift = np.array([0.5, 0.25, 0.0]) * half
+    found = lc.PairTracker().overlap(cube, BOX, ((1, 2, 3), ONE), (np.array([1, 2, 3]) + shift, ONE))
+    volume = np.prod(2 * half - shift)
+    assert found.lower <= volume <= found.upper <= found.lower + 1e-12 * volume
+    assert np.allclose(found.centroid, [1, 2, 3] + shift / 2) and not found.covers_itself
+    (loop,) = found.loops
+    assert loop.shape[1] == 3 and np.abs(loop - [1, 2, 3]).max() < 1.5 * half.max()
+    poses = [((x, 0, 0), ONE) for x in (0, half[0], 5 * half[0])]
+    rows = lc.overlap_batch(cube, BOX, poses, threads=2)
+    for row, share in zip(rows, (1, 0.5, 0)):
+        assert row["lower"] <= share * np.prod(2 * half) <= row["upper"]
+    assert np.isnan(rows["centroid"][2]).all() and rows["covers_itself"].tolist() == [False] * 3
+    for body, words in (
+        (lc.Geometry.ball(1), "the volume of B is unknown: it is a rounded polyhedron"),
+        (lc.Geometry.mesh(np.eye(3), [[0, 1, 2]]), "the volume of B is unknown: its mesh is open"),
+    ):
+        with pytest.raises(lc.PairError, match=words):
+            lc.PairTracker().overlap(cube, body)
+        with pytest.raises(lc.PairError, match=words):
+            lc.overlap_batch(cube, body, poses)
+
+
 def test_penetration_to_a_tolerance():
     cube = lc.Geometry.mesh(BOX.vertices, BOX.triangles)
     at = ((0, 0, 1.25), ONE)

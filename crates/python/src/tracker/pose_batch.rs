@@ -104,6 +104,27 @@ impl Batch for Depths<'_> {
     }
 }
 
+struct Volumes<'a>(Pair<'a>);
+
+impl Batch for Volumes<'_> {
+    type State = PairTracker;
+    type Row = [f64; 6];
+    const LOOK: usize = 4;
+
+    fn start(&self) -> PyResult<PairTracker> {
+        Ok(PairTracker::new())
+    }
+
+    fn answer(&self, tracker: &mut PairTracker, first: usize, rows: &mut [Self::Row]) -> PyResult<()> {
+        self.0.each(first, rows, |a, b, pose| {
+            let found = tracker.overlap(a, b, pose).map_err(pair_error)?;
+            let place = |p| (pose.poses().0 * p).coords.into();
+            let [x, y, z] = found.centroid.map_or([f64::NAN; 3], place);
+            Ok([found.lower, found.upper, x, y, z, f64::from(u8::from(found.covers_itself))])
+        })
+    }
+}
+
 /// Returns the closest points of two geometries at many poses of B in the frame of A.
 ///
 /// Row i has the bits of `PairTracker.closest(a, b, None, poses[i])` in a loop over the poses, with
@@ -246,4 +267,29 @@ pub(crate) fn penetration_batch<'py>(
     let batch = Depths(Pair::new(&a, &b, view), options);
     Run::new(py, rows.len(), threads, progress)?.rows(py, &batch, &mut rows)?;
     structured(py, rows, &[("lower", "f8", 1), ("upper", "f8", 1), ("shift", "f8", 3)])
+}
+
+/// Returns bounds of the volume that two solids share at many poses of B in the frame of A.
+///
+/// Row i has the bits of `PairTracker.overlap(a, b, None, poses[i])`. The result is a structured array
+/// of shape (N,) with the fields `lower`, `upper`, `centroid` of shape (3,), in the frame of A (NaN
+/// unless the volume is certainly positive), and `covers_itself`. For the parameters see `distances`.
+#[pyfunction]
+#[pyo3(signature = (a, b, poses, *, threads=1, progress=None))]
+pub(crate) fn overlap_batch<'py>(
+    py: Python<'py>,
+    a: &Bound<'py, PyAny>,
+    b: &Bound<'py, PyAny>,
+    poses: &Bound<'py, PyAny>,
+    threads: usize,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let poses = Poses::new(poses)?;
+    let view = poses.view()?;
+    let [a, b] = [Bodies::new("a", a, view.len())?, Bodies::new("b", b, view.len())?];
+    let mut rows = vec![[0.0; 6]; view.len()];
+    let batch = Volumes(Pair::new(&a, &b, view));
+    Run::new(py, rows.len(), threads, progress)?.rows(py, &batch, &mut rows)?;
+    let fields = [("lower", "f8", 1), ("upper", "f8", 1), ("centroid", "f8", 3), ("covers_itself", "?", 1)];
+    structured(py, rows, &fields)
 }
