@@ -26,8 +26,8 @@ use crate::time::separation::{
     FreeSpan, Measurement, PairMotion, PolyhedronPair, Proof, Separation, ShapePair, SupportPoint,
 };
 
-/// Two geometries, or their converted copies, and the tracker of their [`Engine`](super::engine::Engine),
-/// which has the same variants.
+/// Two geometries, or their converted copies, and the tracker of their
+/// [`Engine`](super::engine::Engine), which has the same variants.
 #[derive(Debug)]
 pub(crate) enum BorrowedPair<'p> {
     Polyhedra(PolyhedronPair<'p>),

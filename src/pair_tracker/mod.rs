@@ -1,10 +1,10 @@
 //! Pairs of geometries of any two kinds.
 //!
 //! ```text
-//! PairTracker      follow   which pair was asked last, by fingerprints            tracker.rs
-//!   Engine         borrow   which tracker measures two kinds; converted copies    engine.rs, of_*.rs
-//!     BorrowedPair ask      the bodies, the borrowed tracker, the questions       borrowed_pair.rs
-//!       MeshPair, ...       the pair of two kinds, in the memory of its tracker
+//! PairTracker       which pair was asked last, by fingerprints         tracker.rs
+//!   Engine          which tracker measures two kinds; converted copies engine.rs, of_*.rs
+//!     BorrowedPair  the bodies, the borrowed tracker, the questions    borrowed_pair.rs
+//!       MeshPair, ...  the pair of two kinds, in the memory of its tracker
 //! ```
 
 // First, so that the documentation of `PairTracker` begins with `new` and `closest`.

@@ -1,4 +1,5 @@
-//! The state of a pair in a table: a [`Tracker`] for two polyhedra, a [`TrackedPair`] for all others.
+//! The state of a pair in a table: a [`Tracker`] for two polyhedra, a [`TrackedPair`] for all
+//! others.
 
 use alloc::boxed::Box;
 #[cfg(feature = "serde")]

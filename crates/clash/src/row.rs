@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::ClashError;
-use crate::model::Model;
+use crate::model::{Model, Unit};
 
 /// How two parts are to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -282,7 +282,7 @@ fn key(row: &Row) -> (String, String) {
 
 /// Returns whether the longest side of a model, in metres, is so large or small that its unit may be wrong.
 #[must_use]
-pub fn is_unlikely_size(model: &Model, unit: crate::Unit) -> bool {
+pub fn is_unlikely_size(model: &Model, unit: Unit) -> bool {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];
     for part in model.parts() {

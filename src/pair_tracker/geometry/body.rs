@@ -18,7 +18,8 @@ use crate::nonconvex::{cloud::Cloud, mesh::Mesh, parts::Parted, pieces::Compound
 #[cfg(feature = "surfaces")]
 use crate::surface::BezierSurface;
 
-/// What a body of every kind answers. The trait is private: users add motions and robots, not kinds.
+/// What a body of every kind answers. The trait is private: users add motions and robots, not
+/// kinds.
 pub(crate) trait Body {
     /// Returns the kind of the geometry.
     fn kind(&self) -> GeometryKind;

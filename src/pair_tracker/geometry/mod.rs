@@ -136,8 +136,8 @@ macro_rules! of_body {
 kinds! {
     /// The shape of a body, shared by all bodies with this shape.
     ///
-    /// A [`PairTracker`](crate::PairTracker) takes any two geometries. In a scene a pair answers all
-    /// queries except these:
+    /// A [`PairTracker`](crate::PairTracker) takes any two geometries. In a scene a pair answers
+    /// all queries except these:
     ///
     /// | pair | queries that it cannot answer |
     /// |---|---|
@@ -146,13 +146,14 @@ kinds! {
     /// | a surface, with any other geometry but a half-space | depths, `manifold` |
     /// | a half-space, with any other geometry | none |
     ///
-    /// Depths are the queries `depth` and `local_depth`. For a pair with a compound, mesh or cloud, the
-    /// query `manifold` fills [`PairResults::contacts`](crate::scene::PairResults::contacts).
-    /// Overlaps of such a pair have the distance 0.
+    /// Depths are the queries `depth` and `local_depth`. For a pair with a compound, mesh or cloud,
+    /// the query `manifold` fills
+    /// [`PairResults::contacts`](crate::scene::PairResults::contacts). Overlaps of such a pair have
+    /// the distance 0.
     ///
     /// A scene rejects a call that would make a pair with a query that the pair cannot answer, with
-    /// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered). Such calls are: insert a body,
-    /// change a group, enable a query.
+    /// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered). Such calls are: insert a
+    /// body, change a group, enable a query.
     ///
     /// Pairs of two kinds convert one of the bodies, once, when the boxes meet:
     ///
@@ -166,9 +167,9 @@ kinds! {
     /// The patches for contacts are made once per shape, in the step after contacts are enabled.
     ///
     /// Distances of Bézier surfaces have bounds that are at most `2^-30` of the sum of both radii,
-    /// or `2^-38` of the distance of the bodies, apart. Two surfaces that the bounds cannot distinguish
-    /// from a threshold count as within. A surface has no inside: a body inside a closed surface does
-    /// not overlap it.
+    /// or `2^-38` of the distance of the bodies, apart. Two surfaces that the bounds cannot
+    /// distinguish from a threshold count as within. A surface has no inside: a body inside a
+    /// closed surface does not overlap it.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
