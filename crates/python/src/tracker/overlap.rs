@@ -64,7 +64,10 @@ impl OverlapVolume {
     }
 
     fn __repr__(&self) -> String {
-        format!("<OverlapVolume in [{:.15e}, {:.15e}]>", self.found.lower, self.found.upper)
+        format!(
+            "<OverlapVolume in [{:.15e}, {:.15e}]>",
+            self.found.lower, self.found.upper
+        )
     }
 }
 

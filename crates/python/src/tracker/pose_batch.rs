@@ -1,5 +1,6 @@
-//! Closest points, contacts and depths at many poses.
+//! Closest points, contacts, depths and common volumes at many poses.
 
+use lin_canny::nalgebra::Point3;
 use lin_canny::{Geometry as Body, ManifoldOptions, PairOutcome, PairTracker, QueryOptions, RelativePose};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -118,9 +119,16 @@ impl Batch for Volumes<'_> {
     fn answer(&self, tracker: &mut PairTracker, first: usize, rows: &mut [Self::Row]) -> PyResult<()> {
         self.0.each(first, rows, |a, b, pose| {
             let found = tracker.overlap(a, b, pose).map_err(pair_error)?;
-            let place = |p| (pose.poses().0 * p).coords.into();
+            let place = |p: Point3<f64>| (pose.poses().0 * p).coords.into();
             let [x, y, z] = found.centroid.map_or([f64::NAN; 3], place);
-            Ok([found.lower, found.upper, x, y, z, f64::from(u8::from(found.covers_itself))])
+            Ok([
+                found.lower,
+                found.upper,
+                x,
+                y,
+                z,
+                f64::from(u8::from(found.covers_itself)),
+            ])
         })
     }
 }
@@ -290,6 +298,11 @@ pub(crate) fn overlap_batch<'py>(
     let mut rows = vec![[0.0; 6]; view.len()];
     let batch = Volumes(Pair::new(&a, &b, view));
     Run::new(py, rows.len(), threads, progress)?.rows(py, &batch, &mut rows)?;
-    let fields = [("lower", "f8", 1), ("upper", "f8", 1), ("centroid", "f8", 3), ("covers_itself", "?", 1)];
+    let fields = [
+        ("lower", "f8", 1),
+        ("upper", "f8", 1),
+        ("centroid", "f8", 3),
+        ("covers_itself", "?", 1),
+    ];
     structured(py, rows, &fields)
 }
