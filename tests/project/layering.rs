@@ -684,7 +684,7 @@ const PACKAGES: &[(&str, &[&str])] = &[
             "cover hulls",
         ],
     ),
-    ("crates/clash/src", &["error rules model row find"]),
+    ("crates/clash/src", &["error model rules row find"]),
     (
         "crates/cli/src",
         &[

@@ -14,7 +14,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 use crate::error::ClashError;
 use crate::model::{Model, Part};
 use crate::row::{Kind, Row};
-use crate::rules::Rules;
+use crate::rules::{Rules, larger};
 
 /// Why a crossing has no depth.
 const NO_INSIDE: &str = "a part has no inside, so that the depth is unknown";
@@ -100,7 +100,7 @@ pub fn find(
     progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
 ) -> Result<Clashes, ClashError> {
     let parts = model.parts();
-    let pairs = near_pairs(parts, options.within.max(rules.largest()))?;
+    let pairs = near_pairs(parts, larger(options.within, rules.largest()))?;
     let kept: Vec<_> = pairs
         .iter()
         .filter(|(a, b)| rules.excluded(&parts[*a].name, &parts[*b].name).is_none())
@@ -198,7 +198,7 @@ impl<'a> Pair<'a> {
         };
         match found.state {
             ContactState::Separated => {
-                row.gap = [found.lower.max(0.0), found.upper];
+                row.gap = [at_least_zero(found.lower), found.upper];
                 // A distance that equals what must be kept is kept.
                 let is_close = required.distance > 0.0
                     && found.lower < required.distance
@@ -230,7 +230,7 @@ impl<'a> Pair<'a> {
             ContactState::Overlapping => self.overlap(&mut row, &mut tracker, rules, options),
             _ => {
                 row.kind = Kind::Undecided;
-                row.gap = [found.lower.max(0.0), found.upper.max(0.0)];
+                row.gap = [at_least_zero(found.lower), at_least_zero(found.upper)];
                 row.note = Some(undecided(&found));
             }
         }
@@ -280,7 +280,7 @@ impl<'a> Pair<'a> {
         row.depth = [depth.lower, depth.upper];
         match tracker.overlap(x, y, &self.pose) {
             Ok(shared) => {
-                let bounds = [shared.lower.max(0.0), shared.upper.max(0.0)];
+                let bounds = [at_least_zero(shared.lower), at_least_zero(shared.upper)];
                 if !shared.covers_itself {
                     row.kind = kind_by_volumes(bounds, [x, y].map(volume_of));
                 }
@@ -354,4 +354,9 @@ fn undecided(found: &PairOutcome) -> String {
         "the distance is between {} and {}, which decides nothing",
         found.lower, found.upper
     )
+}
+
+/// Returns the number, or zero if it is negative or not a number. `f64::max` returns either zero of two.
+fn at_least_zero(x: f64) -> f64 {
+    if x > 0.0 { x } else { 0.0 }
 }

@@ -4,10 +4,13 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
+use lin_canny::nalgebra::Vector3;
+use lin_canny::polyhedron::BoxHint;
 use serde::{Deserialize, Serialize};
 
 use crate::error::ClashError;
 use crate::model::{Model, Unit};
+use crate::rules::larger;
 
 /// How two parts are to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -283,17 +286,12 @@ fn key(row: &Row) -> (String, String) {
 /// Returns whether the longest side of a model, in metres, is so large or small that its unit may be wrong.
 #[must_use]
 pub fn is_unlikely_size(model: &Model, unit: Unit) -> bool {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
+    let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     for part in model.parts() {
-        let (a, b) = part
-            .geometry
-            .aabb_at(&part.pose, &mut lin_canny::polyhedron::BoxHint::default());
-        for k in 0..3 {
-            low[k] = low[k].min(a[k]);
-            high[k] = high[k].max(b[k]);
-        }
+        let (a, b) = part.geometry.aabb_at(&part.pose, &mut BoxHint::default());
+        low = low.zip_map(&a.coords, |x, y| -larger(-x, -y));
+        high = high.zip_map(&b.coords, larger);
     }
-    let longest = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max) / unit.per_metre();
+    let longest = (high - low).amax() / unit.per_metre();
     longest.is_finite() && !(1e-3..=1e3).contains(&longest)
 }

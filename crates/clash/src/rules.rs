@@ -166,7 +166,7 @@ impl Rules {
     pub(crate) fn largest(&self) -> f64 {
         let margins = self.margins.iter().map(|rule| rule.2);
         let paddings: f64 = self.paddings.iter().map(|rule| 2.0 * rule.1).sum();
-        margins.fold(self.margin, f64::max) + paddings
+        margins.fold(self.margin, larger) + paddings
     }
 
     /// Returns the rules that match no pair of these names, such as `exclude[2] ("seal", "lid")`: a name may
@@ -192,6 +192,11 @@ impl Rules {
         found.extend(pairs(&self.allowed_volume, "allowed_volume"));
         found
     }
+}
+
+/// Returns the larger of two numbers.
+pub(crate) fn larger(x: f64, y: f64) -> f64 {
+    if y > x { y } else { x }
 }
 
 /// Returns the value of the last row that matches a pair, and the name of the rule.

@@ -113,26 +113,23 @@ fn drawn(
     };
     let name = options.mesh.file_name().unwrap_or_default().to_string_lossy();
     let mut recorder = Recorder::new(Vec::new(), &format!("Inspection of {name}")).map_err(|e| failed(&e))?;
-    let is_turned = |t: &u32| repair.turned.binary_search(t).is_ok();
-    let groups: [(&str, &dyn Fn(&u32) -> bool); 3] = [
-        ("given", &|t| !repaired.is_cap(*t) && !is_turned(t)),
-        ("caps", &|t| repaired.is_cap(*t)),
-        ("inverted", &is_turned),
-    ];
+    // The given triangles, those of caps, and the inverted ones.
+    let group_of = |t: u32| match (repaired.is_cap(t), repair.turned.binary_search(&t)) {
+        (true, _) => 1,
+        (false, Ok(_)) => 2,
+        (false, Err(_)) => 0,
+    };
     let mut colors = Vec::new();
-    for ((name, is_in), color) in groups.into_iter().zip(COLORS) {
-        let corners: Vec<Point3<f64>> = repaired
-            .triangles()
-            .filter(|(t, _)| is_in(t))
-            .flat_map(|x| x.1)
-            .collect();
+    for (k, name) in ["given", "caps", "inverted"].into_iter().enumerate() {
+        let own = repaired.triangles().filter(|(t, _)| group_of(*t) == k);
+        let corners: Vec<Point3<f64>> = own.flat_map(|(_, corners)| corners).collect();
         let triangles: Vec<[u32; 3]> = (0..corners.len() as u32 / 3)
             .map(|k| [0, 1, 2].map(|i| 3 * k + i))
             .collect();
         if let Ok(part) = Mesh::new(&corners, &triangles) {
             let added = recorder.body(name, &part.into(), &Isometry3::identity());
             added.map_err(|e| failed(&e))?;
-            colors.push(color);
+            colors.push(COLORS[k]);
         }
     }
     recorder.note(repair.to_string());

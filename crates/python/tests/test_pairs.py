@@ -157,7 +157,7 @@ def test_overlap_of_solids():
     assert np.allclose(found.centroid, [1, 2, 3] + shift / 2) and not found.covers_itself
     (loop,) = found.loops
     assert loop.shape[1] == 3 and np.abs(loop - [1, 2, 3]).max() < 1.5 * half.max()
-    poses = [((x, 0, 0), ONE) for x in (0, half[0], 5 * half[0])]
+    poses = [[x, 0, 0, *ONE] for x in (0, half[0], 5 * half[0])]
     rows = lc.overlap_batch(cube, BOX, poses, threads=2)
     for row, share in zip(rows, (1, 0.5, 0)):
         assert row["lower"] <= share * np.prod(2 * half) <= row["upper"]
