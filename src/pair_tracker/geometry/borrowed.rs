@@ -18,8 +18,9 @@ use crate::surface::BezierSurface;
 
 /// A borrowed geometry of any kind: what a query of two geometries takes.
 ///
-/// References to a [`Geometry`] and to a body of each kind convert to this type, so a body need not
-/// be shared to be queried. A [`Shape`] that is a polyhedron and not rounded becomes a polyhedron.
+/// References to a [`Geometry`](super::Geometry) and to a body of each kind convert to this type,
+/// so a body need not be shared to be queried. A [`Shape`] that is a polyhedron and not rounded
+/// becomes a polyhedron.
 #[derive(Clone, Copy, Debug)]
 pub struct GeometryRef<'a>(pub(crate) Borrowed<'a>);
 
