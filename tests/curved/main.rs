@@ -125,6 +125,13 @@ fn pairs() -> impl Iterator<Item = (&'static str, &'static str)> {
 }
 
 #[test]
+fn every_curved_kind_of_the_library_is_drawn() {
+    let drawn: Vec<String> = KINDS[3..].iter().map(|name| name.to_uppercase()).collect();
+    let known = lin_canny::shape::CURVED_KINDS.iter().map(|name| name.to_uppercase());
+    assert_eq!(drawn, known.collect::<Vec<_>>(), "the kinds of `truth::curved`");
+}
+
+#[test]
 fn random_poses_of_all_pairs_of_kinds() {
     let (mut failed, mut all, mut beyond) = (String::new(), 0, 0.0);
     for (k, (first, second)) in pairs().enumerate() {

@@ -5,8 +5,8 @@
 //!
 //! | state | relies on | test |
 //! |---|---|---|
-//! | front of two meshes | positions of vertices, triangles below each node of the tree | `trees`, `stand_ins` |
-//! | its claims after `set_vertices` | the caller's numbers of the vertices, every change since the build | `numbers`, `stand_ins` |
+//! | front of two meshes | positions of vertices, triangles below each node of the tree | `trees`, `copies` |
+//! | its claims after `set_vertices` | the caller's numbers of the vertices, every change since the build | `numbers`, `copies` |
 //! | front of a mesh against itself | like both before | `trees`, `numbers` |
 //! | surface that represents a mesh | like both before | `numbers` |
 //! | contact patches of a mesh | like both before, the caller's numbers of the triangles | `names` |

@@ -8,6 +8,7 @@ mod bumps;
 mod contact_state;
 mod contacts;
 mod contain;
+mod copies;
 mod corners;
 mod crossing;
 mod crowds;
@@ -33,7 +34,6 @@ mod sheets;
 mod slivers;
 mod slots;
 mod solids;
-mod stand_ins;
 mod valleys;
 mod volume;
 

@@ -100,6 +100,11 @@ macro_rules! cores {
             };
         }
 
+        /// The names of all curved kinds, for tests that draw each of them.
+        #[cfg(feature = "__internals")]
+        #[doc(hidden)]
+        pub const CURVED_KINDS: &[&str] = &[$(stringify!($kind)),*];
+
         /// The order in which the cores of a pair are solved.
         enum Rank {
             Polyhedron,

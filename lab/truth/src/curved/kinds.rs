@@ -46,10 +46,11 @@ impl Kind {
                 let (r, h) = (size(), size());
                 Self::Cylinder(h / r.max(h), r / r.max(h))
             }
-            _ => {
+            "cone" => {
                 let (r, h) = (size(), size());
                 Self::Cone(h / r.max(h), r / r.max(h))
             }
+            other => panic!("no shape is called {other}"),
         }
     }
 

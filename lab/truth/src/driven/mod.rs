@@ -4,6 +4,7 @@
 pub mod bytes;
 pub mod calls;
 pub mod clouds;
+pub mod copies;
 pub mod corners;
 pub mod curves;
 pub mod distances;
@@ -21,7 +22,6 @@ pub mod scenes;
 pub mod slivers;
 pub mod slots;
 pub mod solids;
-pub mod stand_ins;
 pub mod surfaces;
 pub mod throws;
 pub mod turned_boxes;

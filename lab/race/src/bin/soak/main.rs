@@ -34,8 +34,8 @@ use race::progress::Progress;
 use tally::Tally;
 use truth::command::{count, number};
 use truth::driven::{
-    bytes, calls, clouds, corners, distances, far, lattice, overlaps, planner, points, rays, repairs, scenes, slivers,
-    solids, stand_ins, surfaces, throws, turned_boxes, underflow,
+    bytes, calls, clouds, copies, corners, distances, far, lattice, overlaps, planner, points, rays, repairs, scenes,
+    slivers, solids, surfaces, throws, turned_boxes, underflow,
 };
 use truth::motion::Frame;
 use truth::rng::Rng;
@@ -366,7 +366,7 @@ const DRIVERS: [Driver; 23] = [
         name: "bodies that stand in for others",
         salt: 0x57a9,
         count: 1,
-        play: |seed, tally| stand_ins::play(seed).map(|mix| tally.stand_ins.add(&mix)),
+        play: |seed, tally| copies::play(seed).map(|mix| tally.copies.add(&mix)),
     },
     // Casts of convex and other bodies, judged at many times; planes of certificates by all
     // vertices.

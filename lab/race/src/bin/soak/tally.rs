@@ -7,8 +7,8 @@ use crate::faulty;
 use lin_canny::Outcome;
 use truth::driven::lattice::Mix;
 use truth::driven::{
-    bytes, calls, clouds, corners, distances, far, overlaps, planner, points, rays, repairs, scenes, slivers, solids,
-    stand_ins, surfaces, throws, turned_boxes, underflow,
+    bytes, calls, clouds, copies, corners, distances, far, overlaps, planner, points, rays, repairs, scenes, slivers,
+    solids, surfaces, throws, turned_boxes, underflow,
 };
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
@@ -66,7 +66,7 @@ truth::tally! {
         /// Points on rotated pieces of compounds.
         pub(crate) turned_boxes: turned_boxes::Mix,
         /// Stand-in bodies.
-        pub(crate) stand_ins: stand_ins::Mix,
+        pub(crate) copies: copies::Mix,
         /// Bodies thrown at each other.
         pub(crate) throws: throws::Mix,
         /// Signed distances of points.
@@ -128,7 +128,7 @@ impl Tally {
         println!("points and rays next to a mesh: {:?}", self.points);
         println!("rays at bodies: {:?}", self.rays);
         println!("points on rotated pieces: {:?}", self.turned_boxes);
-        println!("bodies that stand in for others: {:?}", self.stand_ins);
+        println!("bodies that are queried through copies: {:?}", self.copies);
         println!("throws of two bodies: {:?}", self.throws);
         println!("signed distances of points: {:?}", self.distances);
         println!("distances that underflow: {:?}", self.underflows);

@@ -1,4 +1,4 @@
-//! Bodies that are queried through a stand-in: compounds with pieces of all sizes, and meshes that
+//! Bodies that are queried through a converted copy: compounds with pieces of all sizes, and meshes that
 //! share a history.
 //!
 //! Compounds are queried against every kind of body and judged piece by piece. One tracker

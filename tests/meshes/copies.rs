@@ -1,4 +1,4 @@
-//! A stand-in for a body is equal to the body, and cached state is recognised by everything that it
+//! A converted copy of a body is equal to the body, and cached state is recognised by everything that it
 //! relies on.
 
 use core::f64::consts::TAU;
@@ -9,7 +9,7 @@ use lin_canny::surface::BezierSurface;
 use lin_canny::{
     Compound, ConvexPolyhedron, Geometry, Mesh, MeshError, PairTracker, Piece, QueryOptions, RelativePose, Shape,
 };
-use truth::driven::{played, stand_ins};
+use truth::driven::{copies, played};
 use truth::rng::Rng;
 
 fn cuboid(half: [f64; 3]) -> ConvexPolyhedron {
@@ -308,7 +308,7 @@ fn every_kind_that_a_body_is_turned_into_is_the_body() {
 /// Plays pairs and families, and asserts that every ingredient occurred at least a given number of
 /// times per thousand seeds.
 fn check(thousands: u64) {
-    let mix = played(0..1000 * thousands, stand_ins::play);
+    let mix = played(0..1000 * thousands, copies::play);
     let some = |x: u64, least: u64| x >= least * thousands;
     assert!(mix.pieces.iter().all(|n| some(*n, 100)), "{mix:?}");
     assert!(mix.beside.iter().all(|n| some(*n, 10)), "{mix:?}");
@@ -332,11 +332,11 @@ fn pieces_of_every_measure_are_those_of_the_body() {
 /// other.
 #[test]
 fn needles_nearer_than_the_rounding_of_their_poses_keep_their_distance() {
-    stand_ins::play(14_877).expect("bounds that hold the distance");
+    copies::play(14_877).expect("bounds that hold the distance");
 }
 
 #[test]
-#[ignore = "minutes: cargo test --release --all-features --test meshes stand_ins -- --ignored"]
+#[ignore = "minutes: cargo test --release --all-features --test meshes copies -- --ignored"]
 fn pieces_of_every_measure_are_those_of_the_body_in_many_pairs() {
     check(100);
 }
