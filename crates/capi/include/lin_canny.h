@@ -381,6 +381,22 @@ typedef struct lc_check_work {
   uint64_t decisions;
 } lc_check_work;
 
+// What a repair of a mesh has changed.
+typedef struct lc_mesh_repair {
+  // Number of points that moved to another one within the tolerance.
+  uint64_t welded;
+  // Number of triangles that were inverted.
+  uint64_t turned;
+  // Number of holes that were closed. Their triangles count on from those given.
+  uint64_t caps;
+  // Number of points of the longest loop around a hole.
+  uint64_t longest_loop;
+  // Area of the triangles that close holes, as a share of the area of the mesh, from 0 to 1.
+  double cap_share;
+  // 1 if the triangles cancel in pairs, so that nothing is inside.
+  uint32_t is_empty;
+} lc_mesh_repair;
+
 // What a geometry is.
 typedef struct lc_geometry_info {
   // One of `LC_KIND_POLYHEDRON` and so on; zero is another kind.
@@ -960,6 +976,22 @@ lc_status lc_mesh_new(const double *xyz,
                       void *context,
                       struct lc_geometry *out);
 
+// Makes a mesh as `lc_mesh_new` does, after a repair of cracks, inverted triangles and holes: a
+// solid for all input. `lc_geometry_get_repair` says what was changed.
+//
+// Points at most `weld` from an earlier point move to it; zero welds equal points alone. Do not
+// repair a mesh whose opening is meant, as that of a cup: what reaches in would overlap the mesh.
+//
+// Contract: As of `lc_mesh_new`.
+lc_status lc_mesh_repaired_new(const double *xyz,
+                               size_t vertices,
+                               const uint32_t *indices,
+                               size_t triangles,
+                               double weld,
+                               lc_progress progress,
+                               void *context,
+                               struct lc_geometry *out);
+
 // Makes the mesh of a height field of `rows` by `columns` values, row by row.
 //
 // The value of row i and column j is the z at x = j * dx and y = i * dy. `base` may be null: the
@@ -1009,6 +1041,12 @@ lc_status lc_surface_new(uint32_t p,
                          const double *weights,
                          size_t patches,
                          struct lc_geometry *out);
+
+// Writes what the repair of a mesh has changed: zeros for a geometry that was not repaired.
+// `out_size` is `sizeof(lc_mesh_repair)`.
+//
+// Contract: `out` points to `out_size` bytes.
+lc_status lc_geometry_get_repair(struct lc_geometry geometry, struct lc_mesh_repair *out, size_t out_size);
 
 // Writes what a geometry is; `out_size` is `sizeof(lc_geometry_info)`.
 //
