@@ -101,7 +101,8 @@ impl Row {
         if let Some(volume) = self.volume {
             let _ = write!(text, ", volume {:.6e}", 0.5 * (volume[0] + volume[1]));
         }
-        let [x, y, z] = self.point;
+        // No minus before a zero.
+        let [x, y, z] = self.point.map(|x| if x.abs() < 5e-7 { 0.0 } else { x });
         let _ = write!(text, ", at ({x:.6}, {y:.6}, {z:.6})");
         match &self.rule {
             Some(rule) if self.broken => {
