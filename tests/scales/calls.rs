@@ -361,6 +361,8 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
             scene.penetration(tracker.penetration(&a, &b, &pose));
             let narrow = QueryOptions::default().width(0.1 * scene.unit).splits(8);
             scene.penetration(tracker.penetration_with(&a, &b, &pose, &narrow));
+            scene.overlap(tracker.overlap(&a, &b, &pose));
+            scene.loops(tracker.overlap_loops(&a, &b, &pose));
         }
     }
 }

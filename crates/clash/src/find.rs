@@ -77,7 +77,7 @@ pub struct Clashes {
 ///
 /// let die = solids::cuboid(Vector3::repeat(0.5))?;
 /// let mut model = Model::new();
-/// for x in [0.0, 0.99, 1.99] {
+/// for x in [0.0, 0.875, 1.875] {
 ///     model.add("die", die.clone(), Isometry3::translation(x, 0.0, 0.0));
 /// }
 /// let options = ClashOptions::default().volume(true);
@@ -85,9 +85,9 @@ pub struct Clashes {
 /// let kinds: Vec<_> = found.rows.iter().map(|row| (&*row.a, &*row.b, row.kind)).collect();
 /// assert_eq!(kinds, [("die", "die#2", Kind::Overlapping), ("die#2", "die#3", Kind::Touching)]);
 /// let [low, high] = found.rows[0].depth;
-/// assert!(low <= 0.01 && 0.01 <= high && high - low < 1e-12 && found.rows[0].broken);
+/// assert!(low <= 0.125 && 0.125 <= high && high - low < 1e-8 && found.rows[0].broken);
 /// let [low, high] = found.rows[0].volume.unwrap();
-/// assert!(low <= 0.01 && 0.01 <= high);
+/// assert!(low <= 0.125 && 0.125 <= high);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

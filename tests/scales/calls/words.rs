@@ -5,7 +5,8 @@ use lin_canny::impact::Impact;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{
-    ContactPoint, ConvexPolyhedron, Decision, Distance, Manifold, Outcome, PenetrationBounds, RelativePose, Velocity,
+    ContactPoint, ConvexPolyhedron, Decision, Distance, Manifold, Outcome, OverlapError, OverlapLoops, OverlapVolume,
+    PenetrationBounds, RelativePose, Velocity,
 };
 use truth::rng::Rng;
 use truth::shapes;
@@ -54,6 +55,26 @@ impl Scene {
         if let Some(p) = found {
             self.bounds("penetration", p.lower, p.upper);
             self.lengths("penetration", p.shift.iter().copied());
+        }
+    }
+
+    /// Tells a volume that is a normal number in all units.
+    pub(super) fn overlap(&mut self, found: Result<OverlapVolume, OverlapError>) {
+        let cubed = self.unit * self.unit * self.unit;
+        match found {
+            Ok(v) if v.lower > 1e-6 * cubed => {
+                self.plain("overlap", (v.lower / cubed, v.upper / cubed, v.covers_itself));
+                self.lengths("centroid", v.centroid.iter().flat_map(|p| p.iter().copied()));
+            }
+            Ok(v) => self.plain("overlap", v.upper > 1e-6 * cubed),
+            Err(e) => self.plain("overlap", e),
+        }
+    }
+
+    pub(super) fn loops(&mut self, found: Result<OverlapLoops, OverlapError>) {
+        match found {
+            Ok(found) => self.lengths("loops", found.loops.iter().flatten().flat_map(|p| p.iter().copied())),
+            Err(e) => self.plain("loops", e),
         }
     }
 
