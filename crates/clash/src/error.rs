@@ -60,14 +60,12 @@ pub enum ClashError {
     /// A file of rules is no JSON, or has an unknown key.
     #[error("rules: {0}")]
     Rules(#[from] serde_json::Error),
-    /// A length of a rule is negative or not finite.
-    #[error("rules: {key}[{index}] is {value} (expected a length of at least 0)")]
+    /// A length or a volume is negative or not finite.
+    #[error("{what} is {value} (expected a number of at least 0)")]
     Length {
-        /// The key.
-        key: &'static str,
-        /// The index in the list.
-        index: usize,
-        /// The length.
+        /// The rule or the option, such as `margins[2]`.
+        what: String,
+        /// The number.
         value: f64,
     },
     /// A row of an earlier output is invalid.

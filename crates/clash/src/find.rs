@@ -14,7 +14,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIter
 use crate::error::ClashError;
 use crate::model::{Model, Part};
 use crate::row::{Kind, Row};
-use crate::rules::{Rules, larger};
+use crate::rules::{Rules, check_length, larger};
 
 /// Why a crossing has no depth.
 const NO_INSIDE: &str = "a part has no inside, so that the depth is unknown";
@@ -25,7 +25,7 @@ const MOVED: f64 = 1e-9;
 /// Share of a volume that rounding may leave outside a part that is inside another.
 const INSIDE: f64 = 1e-9;
 
-/// What is asked of each pair.
+/// Which pairs have a row, and what a row holds.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct ClashOptions {
@@ -55,9 +55,9 @@ impl ClashOptions {
 pub struct Clashes {
     /// A row for each pair, in the order of the parts.
     pub rows: Vec<Row>,
-    /// Number of pairs whose boxes were near each other.
+    /// Number of pairs to measure: their boxes are near each other, and no rule excludes them.
     pub measured: usize,
-    /// Number of these that rules exclude.
+    /// Number of pairs with boxes near each other that a rule excludes.
     pub excluded: usize,
     /// Whether all pairs were measured: false if the caller has stopped the search.
     pub is_complete: bool,
@@ -92,13 +92,15 @@ pub struct Clashes {
 /// ```
 ///
 /// # Errors
-/// Returns an error if the pose or the box of a part is out of range. It names the part.
+/// Returns an error if the pose or the box of a part is out of range, which names the part, or if
+/// [`within`](ClashOptions::within) is negative or not finite.
 pub fn find(
     model: &Model,
     rules: &Rules,
     options: &ClashOptions,
     progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
 ) -> Result<Clashes, ClashError> {
+    check_length("within", options.within)?;
     let parts = model.parts();
     let pairs = near_pairs(parts, larger(options.within, rules.largest()))?;
     let kept: Vec<_> = pairs
@@ -177,7 +179,7 @@ impl<'a> Pair<'a> {
         Ok(Self { parts: [a, b], pose })
     }
 
-    /// Returns the row of the pair; `None` if it is farther apart than is asked for.
+    /// Returns the row of the pair; `None` if it is farther apart than `within`.
     fn row(&self, rules: &Rules, options: &ClashOptions) -> Option<Row> {
         let [a, b] = self.parts;
         let (x, y) = (&a.geometry, &b.geometry);
@@ -232,6 +234,10 @@ impl<'a> Pair<'a> {
                 row.kind = Kind::Undecided;
                 row.gap = [at_least_zero(found.lower), at_least_zero(found.upper)];
                 row.note = Some(undecided(&found));
+                if found.upper < required.distance {
+                    row.broken = true;
+                    row.rule = Some(required.rule);
+                }
             }
         }
         Some(row)
@@ -278,14 +284,16 @@ impl<'a> Pair<'a> {
         };
         row.kind = Kind::Overlapping;
         row.depth = [depth.lower, depth.upper];
+        let mut volume = None;
         match tracker.overlap(x, y, &self.pose) {
             Ok(shared) => {
                 let bounds = [at_least_zero(shared.lower), at_least_zero(shared.upper)];
                 if !shared.covers_itself {
                     row.kind = kind_by_volumes(bounds, [x, y].map(volume_of));
                 }
+                volume = Some(bounds);
                 if options.volume {
-                    row.volume = Some(bounds);
+                    row.volume = volume;
                     if let Some(centroid) = shared.centroid {
                         row.point = (a.pose * centroid).into();
                     }
@@ -298,7 +306,7 @@ impl<'a> Pair<'a> {
         let by_depth = rules.allowed_depth(a, b).filter(|(most, _)| row.depth[1] <= *most);
         let by_volume = rules
             .allowed_volume(a, b)
-            .filter(|(most, _)| row.volume.is_some_and(|volume| volume[1] <= *most));
+            .filter(|(most, _)| volume.is_some_and(|volume| volume[1] <= *most));
         if let Some((_, rule)) = by_depth.or(by_volume) {
             row.broken = false;
             row.rule = Some(rule);

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{Geometry, Mesh, MeshKind, RepairOptions};
 use lin_canny_formats::{MeshFile, MeshFormat};
-use lin_canny_robot::{CellFile, LoadOptions, Packages};
+use lin_canny_robot::{CellFile, LoadOptions, MeshUse, Packages, Skipped};
 
 use crate::error::ClashError;
 
@@ -46,7 +46,7 @@ impl Unit {
 pub struct ModelOptions {
     /// The unit of STL, OBJ, PLY and MSH, which have none, and of all results.
     ///
-    /// Lengths of glTF, COLLADA and cell files are metres, and are converted.
+    /// Lengths of glTF and COLLADA are metres, and are converted. Cell files are read in metres alone.
     pub unit: Unit,
     /// Whether open meshes are repaired: cracks of equal points are welded, inverted triangles turned and
     /// holes closed. A part whose caps would be more than a hundredth of its area stays a surface.
@@ -106,6 +106,7 @@ pub struct Model {
     /// The names, and how many parts asked for each.
     names: HashMap<String, usize>,
     failures: Vec<ClashError>,
+    skipped: Vec<Skipped>,
 }
 
 impl Model {
@@ -145,12 +146,20 @@ impl Model {
         &self.failures
     }
 
+    /// Returns what cell files name and the model does not hold, such as bodies that could not be read.
+    #[must_use]
+    pub fn skipped(&self) -> &[Skipped] {
+        &self.skipped
+    }
+
     /// Returns the model of files and folders.
     ///
     /// * **A mesh file** (STL, OBJ, COLLADA, PLY, glTF, MSH): each object is a part. Nodes of a glTF are
     ///   objects; a transform that mirrors or scales is applied to the vertices.
     /// * **A folder**: all mesh files below it.
-    /// * **A cell file** (JSON or SDFormat): its bodies are parts, with the meshes as they are.
+    /// * **A cell file** (JSON or SDFormat): its obstacles are parts. A mesh is its triangles, closed if
+    ///   [`repair`](ModelOptions::repair) is set, unless the file says otherwise. Objects that links carry are
+    ///   left out: they have no place without the robot.
     ///
     /// The name of a part is the path of its file below the folder, without extension, and the name of the
     /// object if a file has several. Parts of a single file have the names of its objects.
@@ -232,7 +241,9 @@ impl Model {
             return Err(ClashError::Unit(file.to_owned()));
         }
         let packages = Packages::default().with_environment();
-        let cell = CellFile::load(file, &packages, &LoadOptions::default())?;
+        let meshes = if options.repair { MeshUse::Solid } else { MeshUse::Mesh };
+        let cell = CellFile::load(file, &packages, &LoadOptions::default().meshes(meshes))?;
+        self.skipped.extend(cell.skipped.iter().cloned());
         for obstacle in &cell.obstacles {
             let name = match prefix {
                 Some(prefix) => format!("{prefix}/{}", obstacle.name),

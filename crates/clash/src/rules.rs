@@ -74,8 +74,16 @@ pub struct Required {
 }
 
 impl Rules {
-    /// Returns the rules of a JSON text. All keys are optional: `margin`, `margins`, `paddings`,
-    /// `exclude`, `allowed_depth`, `allowed_volume`, `touching`.
+    /// Returns the rules of a JSON text. All keys are optional:
+    ///
+    /// | key | value |
+    /// |---|---|
+    /// | `margin` | the distance that all pairs must keep |
+    /// | `margins` | rows of two names and the distance that their pairs must keep, in place of the margin; the last row that matches counts |
+    /// | `paddings` | rows of a name and how much more the pairs of the part must keep |
+    /// | `exclude` | rows of two names whose pairs are left out, and optionally the reason |
+    /// | `allowed_depth`, `allowed_volume` | rows of two names and the depth or the volume that their overlap may have |
+    /// | `touching` | whether parts that touch break a rule; false by default |
     ///
     /// # Errors
     /// Returns an error if the text is no JSON, has an unknown key, or a length that is negative.
@@ -83,22 +91,19 @@ impl Rules {
         // An object: a list would be taken for the values in their order.
         let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(text)?;
         let rules: Self = serde_json::from_value(object.into())?;
-        let length = |key, index, value: f64| match value >= 0.0 && value.is_finite() {
-            true => Ok(()),
-            false => Err(ClashError::Length { key, index, value }),
-        };
-        length("margin", 0, rules.margin)?;
-        for (key, list) in [
+        check_length("margin", rules.margin)?;
+        let lists = [
             ("margins", &rules.margins),
             ("allowed_depth", &rules.allowed_depth),
             ("allowed_volume", &rules.allowed_volume),
-        ] {
+        ];
+        for (key, list) in lists {
             for (k, rule) in list.iter().enumerate() {
-                length(key, k, rule.2)?;
+                check_length(&format!("{key}[{k}]"), rule.2)?;
             }
         }
         for (k, rule) in rules.paddings.iter().enumerate() {
-            length("paddings", k, rule.1)?;
+            check_length(&format!("paddings[{k}]"), rule.1)?;
         }
         Ok(rules)
     }
@@ -192,6 +197,15 @@ impl Rules {
         found.extend(pairs(&self.allowed_volume, "allowed_volume"));
         found
     }
+}
+
+/// Returns an error if a number is negative or not finite.
+pub(crate) fn check_length(what: &str, value: f64) -> Result<(), ClashError> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    let what = what.into();
+    Err(ClashError::Length { what, value })
 }
 
 /// Returns the larger of two numbers.

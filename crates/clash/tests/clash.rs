@@ -222,6 +222,12 @@ fn rules_allow_press_fits_and_forbid_small_gaps() {
     assert!(broken(r#"{"exclude": [["die*", "die*"]]}"#).is_empty());
     let close = broken(r#"{"margin": 1, "exclude": [["die", "die#2"], ["die#2", "die#3", "glued"]]}"#);
     assert_eq!(close, [(Kind::Close, Some("margin".into()))]);
+    assert!(broken(r#"{"allowed_volume": [["die*", "die*", 2e-6]]}"#).is_empty());
+    assert_eq!(broken(r#"{"allowed_volume": [["die*", "die*", 5e-7]]}"#).len(), 2);
+    for within in [-1.0, f64::NAN, f64::INFINITY] {
+        let refused = find(&model, &Rules::default(), &options.clone().within(within), &go).expect_err("no length");
+        assert!(refused.to_string().starts_with("within is "), "{refused}");
+    }
     // A gap that equals the margin keeps it.
     let mut model = Model::new();
     let die = solids::cuboid(Vector3::repeat(0.5)).expect("a box");

@@ -11,7 +11,7 @@ use lin_canny_clash::{
     to_junit, worst_first,
 };
 use lin_canny_cli::output::progress;
-use lin_canny_cli::values;
+use lin_canny_cli::{values, warn_of_skipped};
 use lin_canny_record::{PageOptions, Recorder, Recording, page};
 
 use crate::end::{End, ToolError};
@@ -49,7 +49,7 @@ pub(crate) struct ClashArguments {
     /// Rules as JSON: margin, margins, paddings, exclude, `allowed_depth`, `allowed_volume`, touching
     #[arg(long, value_name = "RULES.json")]
     rules: Option<PathBuf>,
-    /// Pairs at most this far apart have a row as well
+    /// Add rows of pairs that are at most this far apart
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, value_parser = values::not_negative)]
     within: f64,
     /// Compute the volume that parts share
@@ -121,6 +121,7 @@ pub(crate) fn run(options: &ClashArguments) -> Result<End, ToolError> {
     for failure in model.failures() {
         warn!("left out: {failure}");
     }
+    warn_of_skipped(model.skipped());
     for part in model.parts() {
         if let Some(note) = &part.note {
             say!("{}: {note}", part.name);

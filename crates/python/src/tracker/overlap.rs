@@ -49,7 +49,7 @@ impl OverlapVolume {
     }
 
     /// The curves in which the surfaces cross: closed polylines in the world, each of shape (N, 3).
-    /// They are computed when they are asked for, and do not depend continuously on the poses.
+    /// They are computed on access, and do not depend continuously on the poses.
     #[getter]
     fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
         let [a, b] = self.bodies.each_ref().map(|body| &body.get().0);
