@@ -36,7 +36,7 @@ fn volumes_of_lattice_bodies_are_closed_forms() {
 }
 
 #[test]
-#[ignore = "an hour: 1,000,000 pairs; cargo test --release --all-features --test meshes a_million_lattice -- --ignored --nocapture"]
+#[ignore = "long, not run yet: 1,000,000 pairs; cargo test --release --all-features --test meshes a_million_lattice -- --ignored --nocapture"]
 fn volumes_of_a_million_lattice_bodies_are_closed_forms() {
     closed_forms(1_000_000..2_000_000);
 }
@@ -47,7 +47,7 @@ fn volumes_of_meshes_are_those_of_rationals() {
 }
 
 #[test]
-#[ignore = "an hour: 10,000 pairs; cargo test --release --all-features --test meshes ten_thousand_meshes_are -- --ignored --nocapture"]
+#[ignore = "long, not run yet: 10,000 pairs; cargo test --release --all-features --test meshes ten_thousand_meshes_are -- --ignored --nocapture"]
 fn volumes_of_ten_thousand_meshes_are_those_of_rationals() {
     rationals(10_000..20_000);
 }

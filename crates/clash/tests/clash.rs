@@ -120,7 +120,7 @@ fn boxes_on_a_lattice_are_of_the_right_kind() {
 }
 
 #[test]
-#[ignore = "minutes: cargo test --release -p lin-canny-clash -- --ignored --nocapture"]
+#[ignore = "14 seconds: 100,000 pairs; cargo test -p lin-canny-clash -- --ignored --nocapture"]
 fn a_hundred_thousand_boxes_are_of_the_right_kind() {
     println!("{:?}", boxes(1_000..101_000));
 }

@@ -41,8 +41,8 @@ crate::tally! {
 /// Number of families.
 pub const FAMILIES: usize = 10;
 
-/// Width of the bounds that is allowed, relative to the volume, and the least volume that it is asked
-/// of, relative to the cube of the size.
+/// Largest width of the bounds, relative to the volume; it holds for volumes above `LEAST`, relative to
+/// the cube of the size.
 const WIDTH: f64 = 1e-9;
 const LEAST: f64 = 1e-12;
 
