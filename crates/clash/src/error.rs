@@ -6,6 +6,7 @@ use lin_canny::broad::BroadPhaseError;
 use lin_canny::{MeshError, PoseError};
 use lin_canny_formats::FormatError;
 use lin_canny_robot::FileError;
+use lin_canny_robot::plan::PlanError;
 
 /// Error of a model, of its rules, or of a search for clashes.
 #[derive(Debug, thiserror::Error)]
@@ -41,6 +42,24 @@ pub enum ClashError {
     /// A cell file is in metres alone.
     #[error("{}: a cell is in metres (no other unit)", .0.display())]
     Unit(PathBuf),
+    /// A robot has no joint of a name.
+    #[error("{}: no joint {joint:?} (expected one of {known})", file.display())]
+    Joint {
+        /// The file.
+        file: PathBuf,
+        /// The name.
+        joint: String,
+        /// The joints of the robot.
+        known: String,
+    },
+    /// A robot cannot be put to a configuration.
+    #[error("{}: {reason}", file.display())]
+    Robot {
+        /// The file.
+        file: PathBuf,
+        /// The reason.
+        reason: PlanError,
+    },
     /// The pose of a part is not finite, or too far away.
     #[error("part {part:?}: {reason}")]
     Pose {
@@ -57,9 +76,9 @@ pub enum ClashError {
         /// The reason.
         reason: BroadPhaseError,
     },
-    /// A file of rules is no JSON, or has an unknown key.
+    /// Rules are no JSON or TOML, or have an unknown key.
     #[error("rules: {0}")]
-    Rules(#[from] serde_json::Error),
+    Rules(String),
     /// A length or a volume is negative or not finite.
     #[error("{what} is {value} (expected a number of at least 0)")]
     Length {

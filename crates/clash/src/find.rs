@@ -55,7 +55,7 @@ impl ClashOptions {
 pub struct Clashes {
     /// A row for each pair, in the order of the parts.
     pub rows: Vec<Row>,
-    /// Number of pairs to measure: their boxes are near each other, and no rule excludes them.
+    /// Number of pairs that were measured: their boxes are near each other, and no rule excludes them.
     pub measured: usize,
     /// Number of pairs with boxes near each other that a rule excludes.
     pub excluded: usize,
@@ -105,7 +105,7 @@ pub fn find(
     let pairs = near_pairs(parts, larger(options.within, rules.largest()))?;
     let kept: Vec<_> = pairs
         .iter()
-        .filter(|(a, b)| rules.excluded(&parts[*a].name, &parts[*b].name).is_none())
+        .filter(|&&(a, b)| model.exclusion(a, b).is_none() && rules.excluded(&parts[a].name, &parts[b].name).is_none())
         .collect();
     let (is_stopped, done) = (AtomicBool::new(false), Mutex::new(0));
     let rows: Result<Vec<Option<Row>>, ClashError> = kept
@@ -125,9 +125,10 @@ pub fn find(
             Ok(row)
         })
         .collect();
+    let rows = rows?.into_iter().flatten().collect();
     Ok(Clashes {
-        rows: rows?.into_iter().flatten().collect(),
-        measured: kept.len(),
+        rows,
+        measured: done.into_inner().unwrap_or(kept.len()),
         excluded: pairs.len() - kept.len(),
         is_complete: !is_stopped.into_inner(),
     })

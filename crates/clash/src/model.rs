@@ -3,15 +3,23 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{Geometry, Mesh, MeshKind, RepairOptions};
-use lin_canny_formats::{MeshFile, MeshFormat};
-use lin_canny_robot::{CellFile, LoadOptions, MeshUse, Packages, Skipped};
+use lin_canny::nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use lin_canny::{Geometry, Mesh, MeshError, MeshKind, RepairOptions};
+use lin_canny_formats::{MeshFormat, MeshObject, MeshScene};
+use lin_canny_robot::plan::{Cell, CellBody, CellPair, Checker, PlanError};
+use lin_canny_robot::{CellFile, LoadOptions, MeshUse, Packages, RobotFiles, Skipped};
 
 use crate::error::ClashError;
 
 /// Largest share of caps in the area of a part that is a solid after its repair.
 const CAPS: f64 = 0.01;
+
+/// Largest difference of an entry of the square of a rotation from that of the identity: the rounding of a
+/// chain of nodes. A map that differs more changes the shape of a mesh.
+const RIGID: f64 = 1e-14;
+
+/// Number of shapes of one mesh that an instance is compared with, the latest ones.
+const SHAPES: usize = 16;
 
 /// Extensions of mesh files, without a dot.
 const MESHES: [&str; 7] = ["stl", "obj", "dae", "ply", "gltf", "glb", "msh"];
@@ -53,6 +61,11 @@ pub struct ModelOptions {
     pub repair: bool,
     /// Whether files that cannot be read are left out and listed in [`Model::failures`].
     pub keep_going: bool,
+    /// Values of joints of the robots that are read, by their names. Other joints are where the file draws
+    /// them.
+    pub joints: Vec<(String, f64)>,
+    /// Files with link pairs of the robots that are excluded, as SRDF.
+    pub srdf: Option<PathBuf>,
 }
 
 impl Default for ModelOptions {
@@ -61,6 +74,8 @@ impl Default for ModelOptions {
             unit: Unit::default(),
             repair: true,
             keep_going: false,
+            joints: Vec::new(),
+            srdf: None,
         }
     }
 }
@@ -82,6 +97,19 @@ impl ModelOptions {
     #[must_use]
     pub fn keep_going(self, keep_going: bool) -> Self {
         Self { keep_going, ..self }
+    }
+
+    /// Sets [`joints`](Self::joints).
+    #[must_use]
+    pub fn joints(self, joints: impl IntoIterator<Item = (String, f64)>) -> Self {
+        let joints = joints.into_iter().collect();
+        Self { joints, ..self }
+    }
+
+    /// Sets [`srdf`](Self::srdf).
+    #[must_use]
+    pub fn srdf(self, srdf: Option<PathBuf>) -> Self {
+        Self { srdf, ..self }
     }
 }
 
@@ -105,6 +133,8 @@ pub struct Model {
     parts: Vec<Part>,
     /// The names, and how many parts asked for each.
     names: HashMap<String, usize>,
+    /// Pairs of parts that are not looked at, the smaller number first, with the reason.
+    excluded: HashMap<(usize, usize), String>,
     failures: Vec<ClashError>,
     skipped: Vec<Skipped>,
 }
@@ -140,6 +170,17 @@ impl Model {
         &self.parts
     }
 
+    /// Excludes the pair of two parts, by their numbers in [`parts`](Self::parts), with the reason.
+    pub fn exclude(&mut self, a: usize, b: usize, reason: &str) {
+        self.excluded.insert((a.min(b), a.max(b)), reason.to_owned());
+    }
+
+    /// Returns the reason why a pair of parts is excluded, if it is.
+    #[must_use]
+    pub fn exclusion(&self, a: usize, b: usize) -> Option<&str> {
+        self.excluded.get(&(a.min(b), a.max(b))).map(String::as_str)
+    }
+
     /// Returns the errors of the files that were left out.
     #[must_use]
     pub fn failures(&self) -> &[ClashError] {
@@ -154,15 +195,19 @@ impl Model {
 
     /// Returns the model of files and folders.
     ///
-    /// * **A mesh file** (STL, OBJ, COLLADA, PLY, glTF, MSH): each object is a part. Nodes of a glTF are
-    ///   objects; a transform that mirrors or scales is applied to the vertices.
+    /// * **A mesh file** (STL, OBJ, COLLADA, PLY, glTF, MSH): each object, or node of a scene, is a part. Nodes
+    ///   of one mesh share it; a transform that mirrors, scales or shears is applied to the vertices.
     /// * **A folder**: all mesh files below it.
     /// * **A cell file** (JSON or SDFormat): its obstacles are parts. A mesh is its triangles, closed if
     ///   [`repair`](ModelOptions::repair) is set, unless the file says otherwise. Objects that links carry are
     ///   left out: they have no place without the robot.
+    /// * **A robot** (URDF, MJCF): its links are parts, where [`joints`](ModelOptions::joints) puts them.
+    ///   Bodies of one link, of adjacent links and the pairs that an [`srdf`](ModelOptions::srdf) excludes are
+    ///   excluded.
     ///
     /// The name of a part is the path of its file below the folder, without extension, and the name of the
-    /// object if a file has several. Parts of a single file have the names of its objects.
+    /// object if a file has several. Parts of a single file have the names of its objects. The name of a node
+    /// is its path in the scene, such as `frame/left/bolt`.
     ///
     /// # Errors
     /// Returns the error of the first file that cannot be read or holds no mesh, unless
@@ -185,6 +230,7 @@ impl Model {
             let prefix = (files.len() > 1).then(|| name_of(folder, file));
             let added = match file.extension().and_then(|e| e.to_str()) {
                 Some("json" | "sdf" | "world") => model.add_cell(file, prefix.as_deref(), options),
+                Some("urdf" | "xml" | "mjcf") => model.add_robot(file, prefix.as_deref(), options),
                 _ => model.add_file(file, prefix.as_deref(), options),
             };
             match added {
@@ -195,39 +241,39 @@ impl Model {
         Ok(model)
     }
 
-    /// Adds the objects of a mesh file.
+    /// Adds the nodes of a mesh file.
     fn add_file(&mut self, file: &Path, prefix: Option<&str>, options: &ModelOptions) -> Result<(), ClashError> {
-        let read = MeshFile::load(file)?;
+        let read = MeshScene::load(file)?;
         let scale = match read.format {
             MeshFormat::Gltf | MeshFormat::Collada => options.unit.per_metre(),
             _ => 1.0,
         };
-        let is_one = read.objects.len() == 1;
-        for (k, object) in read.objects.iter().enumerate() {
-            let own = if object.name.is_empty() {
+        let is_one = read.nodes.len() == 1;
+        let mut shapes: Vec<Vec<Shape>> = read.meshes.iter().map(|_| Vec::new()).collect();
+        for (k, node) in read.nodes.iter().enumerate() {
+            let own = if node.name.is_empty() {
                 format!("object{k}")
             } else {
-                object.name.clone()
+                node.name.clone()
             };
             let stem = || name_of(Path::new(""), file);
             let name = match prefix {
                 Some(prefix) if is_one => prefix.to_owned(),
                 Some(prefix) => format!("{prefix}/{own}"),
-                None if object.name.is_empty() && is_one => stem(),
+                None if node.name.is_empty() && is_one => stem(),
                 None => own,
             };
-            let points: Vec<_> = object
-                .points
-                .iter()
-                .map(|p| Point3::from(p.map(|x| x * scale)))
-                .collect();
+            let transform = node.transform.map(|row| row.map(|x| x * scale));
             let invalid = |reason| ClashError::Part {
                 file: file.to_owned(),
                 part: name.clone(),
                 reason,
             };
-            let (mesh, note) = meshed(&points, &object.triangles, options.repair).map_err(invalid)?;
-            self.add(&name, mesh, Isometry3::identity());
+            let known = &mut shapes[node.mesh];
+            let (shape, pose) =
+                Shape::at(&read.meshes[node.mesh], &transform, known, options.repair).map_err(invalid)?;
+            let (mesh, note) = (shape.mesh.clone(), shape.note.clone());
+            self.add(&name, mesh, pose);
             if let Some(part) = self.parts.last_mut() {
                 part.note = note;
             }
@@ -253,6 +299,129 @@ impl Model {
         }
         Ok(())
     }
+
+    /// Adds the links of a robot.
+    fn add_robot(&mut self, file: &Path, prefix: Option<&str>, options: &ModelOptions) -> Result<(), ClashError> {
+        if options.unit != Unit::Metre {
+            return Err(ClashError::Unit(file.to_owned()));
+        }
+        let meshes = if options.repair { MeshUse::Solid } else { MeshUse::Mesh };
+        let mut files = RobotFiles::new(file);
+        files.srdf.clone_from(&options.srdf);
+        files.options = LoadOptions::default().meshes(meshes);
+        let loaded = files.load()?;
+        self.skipped.extend(loaded.skipped);
+        let mut configuration = loaded.robot.start().to_vec();
+        let coordinates = loaded.robot.coordinates();
+        for (joint, value) in &options.joints {
+            let Some(k) = coordinates.iter().position(|c| c.name == *joint) else {
+                let names = coordinates.iter().map(|c| c.name.as_str());
+                return Err(ClashError::Joint {
+                    file: file.to_owned(),
+                    joint: joint.clone(),
+                    known: names.collect::<Vec<_>>().join(", "),
+                });
+            };
+            configuration[k] = *value;
+        }
+        self.add_cell_at(loaded.cell, prefix, &configuration)
+            .map_err(|reason| ClashError::Robot {
+                file: file.to_owned(),
+                reason,
+            })
+    }
+
+    /// Adds the bodies of a cell with robots at a configuration. Pairs that the cell excludes are excluded,
+    /// and those of one link.
+    ///
+    /// # Errors
+    /// Returns an error if the configuration has another length, or a value that is not finite.
+    pub fn add_cell_at(&mut self, cell: Cell, prefix: Option<&str>, configuration: &[f64]) -> Result<(), PlanError> {
+        let checker = Checker::of_robots(cell)?;
+        let cell = checker.cell();
+        let mut added: Vec<(CellBody, usize)> = Vec::new();
+        for (id, name) in cell.bodies() {
+            let Some(geometry) = cell.geometry(id) else {
+                continue;
+            };
+            let pose = checker.pose(id, configuration)?;
+            let name = match prefix {
+                Some(prefix) => format!("{prefix}/{name}"),
+                None => name.to_owned(),
+            };
+            self.add(&name, geometry.clone(), pose);
+            added.push((id, self.parts.len() - 1));
+        }
+        for (k, &(a, i)) in added.iter().enumerate() {
+            for &(b, j) in &added[k + 1..] {
+                let reason = CellPair::new(a, b).and_then(|pair| cell.exclusion(pair));
+                let is_one_link = cell.is_of_robot(a) && cell.is_of_robot(b) && cell.name(a) == cell.name(b);
+                if is_one_link {
+                    self.exclude(i, j, "one link");
+                } else if let Some(reason) = reason {
+                    self.exclude(i, j, reason);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A mesh of a file, as some of its nodes have it: scaled or sheared, but not turned.
+struct Shape {
+    /// The map that was applied to the vertices.
+    linear: Matrix3<f64>,
+    mesh: Mesh,
+    note: Option<String>,
+}
+
+impl Shape {
+    /// Returns the shape of a node and its pose: one that is known if a rotation takes it to the node.
+    fn at<'a>(
+        object: &MeshObject,
+        transform: &[[f64; 4]; 3],
+        known: &'a mut Vec<Self>,
+        is_repaired: bool,
+    ) -> Result<(&'a Self, Isometry3<f64>), MeshError> {
+        let linear = Matrix3::from_fn(|i, k| transform[i][k]);
+        let position = Translation3::from(Vector3::from(transform.map(|row| row[3])));
+        let latest = known.len().saturating_sub(SHAPES);
+        let mut found = None;
+        for (k, shape) in known.iter().enumerate().skip(latest) {
+            let inverse = shape.linear.try_inverse();
+            if let Some(rotation) = inverse.and_then(|inverse| rotation(&(linear * inverse))) {
+                found = Some((k, rotation));
+                break;
+            }
+        }
+        let (k, rotation) = match found {
+            Some(found) => found,
+            None => {
+                // A scale and a rotation: the scale is applied to the vertices.
+                let scale = linear.column(0).norm();
+                let (linear, rotation) = match rotation(&(linear / scale)) {
+                    Some(rotation) => (Matrix3::from_diagonal_element(scale), rotation),
+                    None => (linear, UnitQuaternion::identity()),
+                };
+                let points: Vec<Point3<f64>> = object.points.iter().map(|p| linear * Point3::from(*p)).collect();
+                let mut triangles = object.triangles.clone();
+                if linear.determinant() < 0.0 {
+                    triangles.iter_mut().for_each(|t| t.swap(1, 2));
+                }
+                let (mesh, note) = meshed(&points, &triangles, is_repaired)?;
+                known.push(Self { linear, mesh, note });
+                (known.len() - 1, rotation)
+            }
+        };
+        Ok((&known[k], Isometry3::from_parts(position, rotation)))
+    }
+}
+
+/// Returns the rotation of a matrix that is one up to rounding.
+fn rotation(matrix: &Matrix3<f64>) -> Option<UnitQuaternion<f64>> {
+    let apart = (matrix.transpose() * matrix - Matrix3::identity()).amax();
+    let is_rotation = apart <= RIGID && matrix.determinant() > 0.0;
+    is_rotation.then(|| UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*matrix)))
 }
 
 /// Returns the mesh of a part, and what was done to it.
@@ -260,7 +429,7 @@ fn meshed(
     points: &[Point3<f64>],
     triangles: &[[u32; 3]],
     is_repaired: bool,
-) -> Result<(Mesh, Option<String>), lin_canny::MeshError> {
+) -> Result<(Mesh, Option<String>), MeshError> {
     let mesh = Mesh::new(points, triangles)?;
     if mesh.kind() == MeshKind::Solid {
         return Ok((mesh, None));

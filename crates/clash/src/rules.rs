@@ -89,8 +89,25 @@ impl Rules {
     /// Returns an error if the text is no JSON, has an unknown key, or a length that is negative.
     pub fn from_json(text: &str) -> Result<Self, ClashError> {
         // An object: a list would be taken for the values in their order.
-        let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(text)?;
-        let rules: Self = serde_json::from_value(object.into())?;
+        let invalid = |error: serde_json::Error| ClashError::Rules(error.to_string());
+        let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(text).map_err(invalid)?;
+        serde_json::from_value::<Self>(object.into())
+            .map_err(invalid)?
+            .checked()
+    }
+
+    /// Returns the rules of a TOML text, with the keys of [`from_json`](Self::from_json).
+    ///
+    /// # Errors
+    /// As [`from_json`](Self::from_json).
+    pub fn from_toml(text: &str) -> Result<Self, ClashError> {
+        let rules: Self = toml::from_str(text).map_err(|error| ClashError::Rules(error.to_string()))?;
+        rules.checked()
+    }
+
+    /// Returns an error if a length is negative or not finite.
+    fn checked(self) -> Result<Self, ClashError> {
+        let rules = self;
         check_length("margin", rules.margin)?;
         let lists = [
             ("margins", &rules.margins),

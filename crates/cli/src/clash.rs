@@ -3,6 +3,8 @@
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, ValueEnum};
 use lin_canny::{ManifoldOptions, PairTracker, RelativePose};
@@ -42,13 +44,20 @@ enum Repair {
 
 #[derive(Args)]
 pub(crate) struct ClashArguments {
-    /// Mesh files (STL, OBJ, COLLADA, PLY, glTF, MSH), folders of them, and cells (JSON, SDFormat). Each object
-    /// of a file is a part
+    /// Mesh files (STL, OBJ, COLLADA, PLY, glTF, MSH), folders of them, cells (JSON, SDFormat) and robots (URDF,
+    /// MJCF). Each object of a file is a part
     #[arg(value_name = "INPUT", required = true)]
     inputs: Vec<PathBuf>,
-    /// Rules as JSON: margin, margins, paddings, exclude, `allowed_depth`, `allowed_volume`, touching
+    /// Rules as JSON or TOML: margin, margins, paddings, exclude, `allowed_depth`, `allowed_volume`, touching
     #[arg(long, value_name = "RULES.json")]
     rules: Option<PathBuf>,
+    /// Value of a joint of a robot, in radians or metres; other joints are where the file draws them; may be
+    /// repeated
+    #[arg(long = "joint", value_name = "JOINT=VALUE", value_parser = values::joint_value)]
+    joints: Vec<(String, f64)>,
+    /// Link pairs of a robot to exclude, as SRDF
+    #[arg(long, value_name = "FILE")]
+    srdf: Option<PathBuf>,
     /// Add rows of pairs that are at most this far apart
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, value_parser = values::not_negative)]
     within: f64,
@@ -102,10 +111,17 @@ pub(crate) fn run(options: &ClashArguments) -> Result<End, ToolError> {
         })
     };
     let rules = match &options.rules {
-        Some(file) => Rules::from_json(&read(file)?).map_err(|error| ToolError::Input {
-            file: file.clone(),
-            reason: error.to_string(),
-        })?,
+        Some(file) => {
+            let text = read(file)?;
+            let rules = match file.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+                true => Rules::from_toml(&text),
+                false => Rules::from_json(&text),
+            };
+            rules.map_err(|error| ToolError::Input {
+                file: file.clone(),
+                reason: error.to_string(),
+            })?
+        }
         None => Rules::default(),
     };
     let unit = match options.unit {
@@ -116,6 +132,8 @@ pub(crate) fn run(options: &ClashArguments) -> Result<End, ToolError> {
     let reading = ModelOptions::default()
         .unit(unit)
         .repair(options.repair == Repair::Surface)
+        .joints(options.joints.iter().cloned())
+        .srdf(options.srdf.clone())
         .keep_going(options.keep_going);
     let model = Model::load(&options.inputs, &reading)?;
     for failure in model.failures() {
@@ -132,11 +150,22 @@ pub(crate) fn run(options: &ClashArguments) -> Result<End, ToolError> {
     }
     check_rules(options, &rules, &model)?;
     let asked = ClashOptions::default().within(options.within).volume(options.volume);
+    let is_stopped = Arc::new(AtomicBool::new(false));
+    let stop = is_stopped.clone();
+    // The first Ctrl-C ends the search, the second one the tool.
+    let _ = ctrlc::set_handler(move || {
+        if stop.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
     let bar = progress("pairs", 0);
     let show = |done: usize, all: usize| {
         bar.set_length(all as u64);
         bar.set_position(done as u64);
-        ControlFlow::Continue(())
+        match is_stopped.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
     };
     let found = find(&model, &rules, &asked, &show)?;
     bar.finish_and_clear();
@@ -147,7 +176,8 @@ pub(crate) fn run(options: &ClashArguments) -> Result<End, ToolError> {
     }
     if let Some(file) = &options.baseline {
         let compared = Comparison::new(&rows, &read(file)?, file)?;
-        for row in &compared.gone {
+        // Pairs that were not measured are not gone.
+        for row in compared.gone.iter().filter(|_| found.is_complete) {
             say!("gone: {} - {}: {}", row.a, row.b, row.kind);
         }
         rows = compared.rows;
@@ -175,6 +205,10 @@ pub(crate) fn run(options: &ClashArguments) -> Result<End, ToolError> {
         found.measured,
         found.excluded
     );
+    if !found.is_complete {
+        warn!("stopped: not all pairs were measured");
+        return Ok(End::Stopped);
+    }
     Ok(match (broken, undecided) {
         _ if !model.failures().is_empty() => End::Invalid,
         (0, 0) => End::Free,

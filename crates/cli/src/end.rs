@@ -14,6 +14,8 @@ pub(crate) enum End {
     NoPath,
     /// A file was left out.
     Invalid,
+    /// The user has stopped it.
+    Stopped,
 }
 
 /// Error of a run.

@@ -48,7 +48,8 @@ Exit codes:
   4  undecided: a pair is within rounding error of contact or of its required distance, or `audit`
      left a pair open
   5  no path found within the limits; a path may exist
-  6  the start or the goal of `plan` is in contact or closer than required";
+  6  the start or the goal of `plan` is in contact or closer than required
+  130  `clash` was stopped by Ctrl-C; the rows that were done are written";
 
 /// Compute clearances, proven motions and paths of a robot from its URDF, MJCF or SDFormat, and
 /// distances of points
@@ -153,6 +154,7 @@ fn main() -> ExitCode {
         Ok(End::Unknown) => ExitCode::from(4),
         Ok(End::NoPath) => ExitCode::from(5),
         Ok(End::Invalid) => ExitCode::from(3),
+        Ok(End::Stopped) => ExitCode::from(130),
         Err(error) => {
             warn!("lin-canny: {error}");
             ExitCode::from(if matches!(error, ToolError::Blocked { .. }) {

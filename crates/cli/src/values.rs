@@ -31,6 +31,13 @@ pub fn named_number(text: &str) -> Result<(String, f64), String> {
     Ok((name.into(), not_negative(value)?))
 }
 
+/// Returns a name and a finite number.
+pub fn joint_value(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.rsplit_once('=').ok_or("expected a joint, = and a number")?;
+    let value = value.parse().ok().filter(|x: &f64| x.is_finite());
+    Ok((name.into(), value.ok_or("expected a finite number")?))
+}
+
 /// Returns a link and a file.
 pub fn attachment(text: &str) -> Result<(String, PathBuf), String> {
     let (link, file) = text.split_once('=').ok_or("expected LINK=FILE.json")?;

@@ -6,6 +6,7 @@ use crate::error::{Fault, FormatError, FormatFault};
 use crate::grid::{self, Grid};
 use crate::mesh::{MeshFile, MeshFormat};
 use crate::points::{Invalid, PointFile, PointFormat, PointList};
+use crate::scene::MeshScene;
 use crate::{collada, gltf, msh, npy, obj, pcd, ply, stl, text, xyz};
 
 impl MeshFile {
@@ -56,10 +57,10 @@ impl MeshFile {
         let mut file = match format_of_mesh(bytes, path)? {
             MeshFormat::Stl => stl::read(bytes),
             MeshFormat::Obj => obj::read(bytes),
-            MeshFormat::Collada => collada::read(bytes),
+            MeshFormat::Collada => collada::read(bytes)?.into_file(),
             MeshFormat::Msh => msh::read(bytes),
             MeshFormat::Ply => ply::read(bytes),
-            MeshFormat::Gltf => gltf::read(bytes, path.parent().unwrap_or(Path::new(""))),
+            MeshFormat::Gltf => gltf::read(bytes, folder(path))?.into_file(),
         }?;
         let objects = &mut file.objects;
         objects.retain(|object| !object.points.is_empty());
@@ -83,6 +84,26 @@ impl MeshFile {
         }
         Ok(file)
     }
+}
+
+impl MeshScene {
+    pub(crate) fn read(bytes: &[u8], path: &Path) -> Result<Self, Fault> {
+        let placed = match format_of_mesh(bytes, path)? {
+            MeshFormat::Collada => collada::read(bytes)?,
+            MeshFormat::Gltf => gltf::read(bytes, folder(path))?,
+            _ => return MeshFile::read(bytes, path, false).map(Self::from),
+        };
+        if placed.places.is_empty() {
+            let (line, fault) = (None, FormatFault::Empty);
+            return Err(Fault { line, fault });
+        }
+        Ok(placed.into_scene())
+    }
+}
+
+/// Returns the folder of a file.
+fn folder(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
 }
 
 /// Returns the format of a file: by its content, or else by its extension.

@@ -14,8 +14,9 @@ use std::rc::Rc;
 use roxmltree::NodeId;
 
 use crate::error::Fault;
-use crate::mesh::{MeshFile, MeshFormat, MeshObject};
-use crate::transform::{self, FLAT, IDENTITY, Matrix, apply, from_rows, orientation, product};
+use crate::mesh::{MeshFormat, MeshObject};
+use crate::scene::{Place, Placed};
+use crate::transform::{self, IDENTITY, Matrix, from_rows, product};
 use crate::xml::{Element, Text, Xml, children, elements, name, shown};
 use geometry::Geometries;
 
@@ -27,7 +28,7 @@ const DEPTH: usize = 1000;
 const SCENE: (usize, usize) = (64 << 20, 40);
 
 /// Reads a COLLADA file.
-pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
+pub(crate) fn read(bytes: &[u8]) -> Result<Placed, Fault> {
     let text = Text::new(bytes);
     let document = text.parse()?;
     let xml = Xml::new(&document, &text);
@@ -35,13 +36,17 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, Fault> {
         xml: &xml,
         geometries: Geometries::new(&xml),
         nodes: HashMap::new(),
-        objects: Vec::new(),
+        bodies: Vec::new(),
+        known: HashMap::new(),
+        places: Vec::new(),
         left: bytes.len().saturating_mul(SCENE.1).saturating_add(SCENE.0),
     };
     reader.scenes()?;
-    Ok(MeshFile {
+    Ok(Placed {
         format: MeshFormat::Collada,
-        objects: reader.objects,
+        meshes: reader.bodies.iter().map(|body| (**body).clone()).collect(),
+        places: reader.places,
+        left: reader.left,
         skipped: reader.geometries.skipped.build(),
     })
 }
@@ -51,7 +56,10 @@ struct Reader<'a> {
     xml: &'a Xml<'a>,
     geometries: Geometries<'a>,
     nodes: HashMap<NodeId, Rc<Contents<'a>>>,
-    objects: Vec<MeshObject>,
+    /// The geometries that the scene has, and the place of each.
+    bodies: Vec<Rc<MeshObject>>,
+    known: HashMap<*const MeshObject, usize>,
+    places: Vec<Place>,
     /// Bytes of nodes and objects that may still follow.
     left: usize,
 }
@@ -72,6 +80,8 @@ enum Child<'a> {
 struct Step<'a> {
     /// The transform from the node into the scene.
     transform: Matrix,
+    /// The name, or else the id; empty for the scene itself.
+    name: &'a str,
     contents: Rc<Contents<'a>>,
     /// The next child.
     next: usize,
@@ -143,7 +153,7 @@ impl<'a> Reader<'a> {
                 .add(None, "missing scene (all geometries are read)");
             for geometry in library("library_geometries", "geometry") {
                 let body = self.geometries.geometry(geometry)?;
-                self.put(&body, &unit, geometry)?;
+                self.put(&body, String::new(), &unit, geometry)?;
             }
         }
         for geometry in library("library_geometries", "geometry") {
@@ -205,7 +215,8 @@ impl<'a> Reader<'a> {
             match contents.children.get(next) {
                 None => drop(path.pop()),
                 Some(Child::Body(body, bind, instance)) => {
-                    self.put(body, &product(&transform, bind), *instance)?;
+                    let names: Vec<_> = path.iter().map(|step| step.name).filter(|n| !n.is_empty()).collect();
+                    self.put(body, names.join("/"), &product(&transform, bind), *instance)?;
                 }
                 Some(Child::Node(node)) => {
                     if path.len() >= DEPTH {
@@ -222,8 +233,10 @@ impl<'a> Reader<'a> {
 
     fn step(&mut self, node: Element<'a>, parent: &Matrix) -> Result<Step<'a>, Fault> {
         let contents = self.contents(node)?;
+        let named = node.attribute("name").or(node.attribute("id")).unwrap_or_default();
         Ok(Step {
             transform: product(parent, &contents.transform),
+            name: if name(node) == "node" { named } else { "" },
             contents,
             next: 0,
         })
@@ -239,31 +252,25 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Adds an object: a geometry with a transform.
-    fn put(&mut self, body: &MeshObject, transform: &Matrix, instance: Element) -> Result<(), Fault> {
-        let lists = size_of_val(&body.points[..]) + size_of_val(&body.triangles[..]);
-        self.spend(size_of::<MeshObject>() + body.name.len() + lists, instance)?;
+    /// Adds a geometry with a transform.
+    fn put(&mut self, body: &Rc<MeshObject>, path: String, transform: &Matrix, instance: Element) -> Result<(), Fault> {
+        self.spend(size_of::<Place>() + path.len(), instance)?;
         if body.triangles.is_empty() {
             return Ok(());
         }
-        let mut object = body.clone();
-        let orientation = orientation(transform);
-        if !(orientation.abs() > FLAT) {
-            let why = "has an invalid transform: flat or not finite (expected one with an inverse)";
-            return Err(self.xml.malformed(instance, why));
-        }
-        for point in &mut object.points {
-            *point = apply(transform, *point);
-            if point.iter().any(|x| !x.is_finite()) {
-                let why = "has a point that its transform makes infinite (expected finite coordinates)";
-                return Err(self.xml.malformed(instance, why));
-            }
-        }
-        // A mirror turns triangles over.
-        if orientation < 0.0 {
-            object.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-        }
-        self.objects.push(object);
+        let mesh = *self.known.entry(Rc::as_ptr(body)).or_insert_with(|| {
+            self.bodies.push(body.clone());
+            self.bodies.len() - 1
+        });
+        let place = Place {
+            mesh,
+            transform: *transform,
+            path,
+            name: String::new(),
+            line: Some(self.xml.line(instance)),
+            element: name(instance).into(),
+        };
+        self.places.push(place.checked()?);
         Ok(())
     }
 

@@ -25,7 +25,7 @@ pub(super) struct Meshes<'a> {
     /// The file uses `KHR_mesh_quantization`: positions may be integers.
     pub(super) is_quantized: bool,
     /// Number of bytes of objects and corners that may still follow.
-    left: usize,
+    pub(super) left: usize,
 }
 
 impl<'a> Meshes<'a> {

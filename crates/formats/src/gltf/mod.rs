@@ -19,9 +19,10 @@ use std::path::Path;
 use std::rc::Rc;
 
 use crate::error::Fault;
-use crate::mesh::{MeshFile, MeshFormat, MeshObject, SkippedList};
+use crate::mesh::{MeshFormat, MeshObject, SkippedList};
+use crate::scene::{Place, Placed};
 use crate::text;
-use crate::transform::{self, FLAT, IDENTITY, Matrix, apply, from_rows, orientation, product};
+use crate::transform::{self, IDENTITY, Matrix, from_rows, product};
 use buffer::Buffers;
 use json::Item;
 use mesh::Meshes;
@@ -59,7 +60,7 @@ const HARMLESS: [&str; 22] = [
 const UNIT: f64 = 0.01;
 
 /// Reads a glTF, whose buffers may be in files of the folder.
-pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<MeshFile, Fault> {
+pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<Placed, Fault> {
     let mut skipped = SkippedList::default();
     let (json, binary) = match bytes.starts_with(b"glTF") {
         true => buffer::chunks(bytes, &mut skipped)?,
@@ -71,17 +72,21 @@ pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<MeshFile, Fault> {
         meshes: Meshes::new(Buffers::new(&root, folder, binary), skipped, bytes.len()),
         root,
         worlds: Vec::new(),
+        parents: Vec::new(),
         children: Vec::new(),
         known: HashMap::new(),
         skins: HashMap::new(),
-        objects: Vec::new(),
+        bodies: Vec::new(),
+        places: Vec::new(),
     };
     reader.check()?;
     let roots = reader.roots()?;
     reader.scene(roots)?;
-    Ok(MeshFile {
+    Ok(Placed {
         format: MeshFormat::Gltf,
-        objects: reader.objects,
+        meshes: reader.bodies,
+        places: reader.places,
+        left: reader.meshes.left,
         skipped: reader.meshes.skipped.build(),
     })
 }
@@ -93,12 +98,15 @@ struct Reader<'a> {
     meshes: Meshes<'a>,
     /// The transform of each node into the scene.
     worlds: Vec<Matrix>,
+    parents: Vec<Option<usize>>,
     children: Vec<Vec<usize>>,
-    /// The meshes as in the file, without the transforms of nodes.
-    known: HashMap<usize, Rc<MeshObject>>,
+    /// The place in `bodies` of each mesh of the file that is read.
+    known: HashMap<usize, usize>,
     /// The transform of each joint of a skin: from the mesh into the scene.
     skins: HashMap<usize, Rc<Vec<Matrix>>>,
-    objects: Vec<MeshObject>,
+    /// The meshes without the transforms of nodes, and skins at rest.
+    bodies: Vec<MeshObject>,
+    places: Vec<Place>,
 }
 
 impl<'a> Reader<'a> {
@@ -172,12 +180,12 @@ impl<'a> Reader<'a> {
             return Err(root.malformed("has meshes, but no nodes"));
         }
         let mut locals = Vec::with_capacity(count);
-        let mut has_parent = vec![false; count];
-        for node in root.elements("nodes")? {
+        let mut parents = vec![None; count];
+        for (k, node) in root.elements("nodes")?.enumerate() {
             let node = node?;
             let children = node.indices("children", count)?;
             for child in &children {
-                if std::mem::replace(&mut has_parent[*child], true) {
+                if parents[*child].replace(k).is_some() {
                     let why = format!("has a child that is a child already: nodes[{child}] (expected one parent)");
                     return Err(node.malformed(why));
                 }
@@ -185,7 +193,7 @@ impl<'a> Reader<'a> {
             locals.push(local(&node)?);
             self.children.push(children);
         }
-        let all: Vec<usize> = (0..count).filter(|&k| !has_parent[k]).collect();
+        let all: Vec<usize> = (0..count).filter(|&k| parents[k].is_none()).collect();
         // Parents come before children; nodes of a cycle come never.
         self.worlds = locals;
         let mut visited = vec![false; count];
@@ -211,6 +219,7 @@ impl<'a> Reader<'a> {
             None if scenes > 0 => root.element("scenes", 0)?,
             None => {
                 self.meshes.skipped.add(None, "missing scene (all root nodes are read)");
+                self.parents = parents;
                 return Ok(all);
             }
         };
@@ -218,7 +227,7 @@ impl<'a> Reader<'a> {
         let roots = selected.indices("nodes", count)?;
         let mut is_selected = vec![false; count];
         for &node in &roots {
-            if has_parent[node] || std::mem::replace(&mut is_selected[node], true) {
+            if parents[node].is_some() || std::mem::replace(&mut is_selected[node], true) {
                 let why = format!("has an invalid node: {node} (expected root nodes, each once)");
                 return Err(selected.malformed(why));
             }
@@ -226,6 +235,7 @@ impl<'a> Reader<'a> {
         if roots.len() < all.len() {
             self.meshes.skipped.add(None, "nodes outside the scene");
         }
+        self.parents = parents;
         Ok(roots)
     }
 
@@ -263,45 +273,54 @@ impl<'a> Reader<'a> {
         if weights.is_some_and(|weights| weights.iter().any(|weight| *weight != 0.0)) {
             return Err(node.unsupported("a morph with a weight other than 0"));
         }
-        if let Some(skin) = node.whole("skin")? {
-            self.meshes.skipped.add(None, "skins (meshes are at rest)");
-            let joints = self.skin(skin)?;
-            let mut object = self.meshes.mesh(&item, Some(&joints))?;
-            name(&mut object, node)?;
-            self.objects.push(object);
-            return Ok(());
-        }
-        let body = match self.known.get(&mesh) {
-            Some(known) => known.clone(),
-            None => Rc::new(self.meshes.mesh(&item, None)?),
-        };
-        self.known.insert(mesh, body.clone());
-        let lists = size_of_val(&body.points[..]) + size_of_val(&body.triangles[..]);
-        self.meshes
-            .spend(size_of::<MeshObject>() + body.name.len() + lists, node)?;
-        if body.triangles.is_empty() {
-            return Ok(());
-        }
-        let mut object = (*body).clone();
-        name(&mut object, node)?;
-        let transform = self.worlds[index];
-        let orientation = orientation(&transform);
-        if !(orientation.abs() > FLAT) {
-            let why = "has an invalid transform: flat or not finite (expected one with an inverse)";
-            return Err(node.malformed(why));
-        }
-        for point in &mut object.points {
-            *point = apply(&transform, *point);
-            if point.iter().any(|x| !x.is_finite()) {
-                return Err(node.malformed("has a point that its transform makes infinite"));
+        let (body, transform) = match node.whole("skin")? {
+            Some(skin) => {
+                self.meshes.skipped.add(None, "skins (meshes are at rest)");
+                let joints = self.skin(skin)?;
+                self.bodies.push(self.meshes.mesh(&item, Some(&joints))?);
+                (self.bodies.len() - 1, IDENTITY)
             }
+            None => {
+                let body = match self.known.get(&mesh) {
+                    Some(&known) => known,
+                    None => {
+                        self.bodies.push(self.meshes.mesh(&item, None)?);
+                        self.bodies.len() - 1
+                    }
+                };
+                self.known.insert(mesh, body);
+                (body, self.worlds[index])
+            }
+        };
+        if self.bodies[body].triangles.is_empty() {
+            return Ok(());
         }
-        // A mirror turns triangles over.
-        if orientation < 0.0 {
-            object.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-        }
-        self.objects.push(object);
+        let place = Place {
+            mesh: body,
+            transform,
+            path: self.path(index)?,
+            name: node.text("name")?.unwrap_or_default().into(),
+            line: None,
+            element: node.path.clone(),
+        };
+        let bytes = size_of::<Place>() + place.path.len() + place.name.len() + place.element.len();
+        self.meshes.spend(bytes, node)?;
+        self.places.push(place.checked()?);
         Ok(())
+    }
+
+    /// Returns the names of the nodes from the root to a node, with slashes between them.
+    fn path(&mut self, index: usize) -> Result<String, Fault> {
+        let mut names = Vec::new();
+        let mut next = Some(index);
+        while let Some(k) = next {
+            let node = self.root.element("nodes", k)?;
+            self.meshes.spend(size_of::<usize>(), &node)?;
+            names.extend(node.text("name")?.filter(|name| !name.is_empty()));
+            next = self.parents[k];
+        }
+        names.reverse();
+        Ok(names.join("/"))
     }
 
     /// Returns the transforms of the joints of a skin: from the mesh to where the nodes are.
@@ -335,14 +354,6 @@ impl<'a> Reader<'a> {
         self.skins.insert(index, transforms.clone());
         Ok(transforms)
     }
-}
-
-/// Gives an object the name of its node if its mesh has none.
-fn name(object: &mut MeshObject, node: &Item) -> Result<(), Fault> {
-    if object.name.is_empty() {
-        object.name = node.text("name")?.unwrap_or_default().into();
-    }
-    Ok(())
 }
 
 /// Returns the transform of a node into its parent.
