@@ -2,13 +2,15 @@
 
 use std::borrow::Cow;
 use std::ops::ControlFlow;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Duration;
 
 use lin_canny::broad::{Aabb, BodyOptions, SweepAndPrune};
 use lin_canny::nalgebra::Translation3;
 use lin_canny::polyhedron::BoxHint;
-use lin_canny::{ContactState, Geometry, GeometryKind, Mesh, MeshKind, PairOutcome, PairTracker, RelativePose};
+use lin_canny::{
+    ContactState, Geometry, GeometryKind, Mesh, MeshKind, PairOutcome, PairTracker, Progress, RelativePose,
+};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 
 use crate::error::ClashError;
@@ -24,6 +26,9 @@ const MOVED: f64 = 1e-9;
 
 /// Share of a volume that rounding may leave outside a part that is inside another.
 const INSIDE: f64 = 1e-9;
+
+/// Time between two calls of a progress callback.
+const BREATH: Duration = Duration::from_millis(50);
 
 /// Which pairs have a row, and what a row holds.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -65,8 +70,9 @@ pub struct Clashes {
 
 /// Finds the pairs of a model that clash or are near each other.
 ///
-/// `progress` gets the number of pairs that are measured, and of all pairs to measure; it may stop the
-/// search. All cores work; the rows do not depend on their number.
+/// `progress` is called on the calling thread, a few times per second, with the number of pairs that are
+/// measured and of all pairs to measure; it may stop the search. All cores work; the rows do not depend on
+/// their number.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -81,7 +87,7 @@ pub struct Clashes {
 ///     model.add("die", die.clone(), Isometry3::translation(x, 0.0, 0.0));
 /// }
 /// let options = ClashOptions::default().volume(true);
-/// let found = find(&model, &Rules::default(), &options, &|_, _| ControlFlow::Continue(()))?;
+/// let found = find(&model, &Rules::default(), &options, |_| ControlFlow::Continue(()))?;
 /// let kinds: Vec<_> = found.rows.iter().map(|row| (&*row.a, &*row.b, row.kind)).collect();
 /// assert_eq!(kinds, [("die", "die#2", Kind::Overlapping), ("die#2", "die#3", Kind::Touching)]);
 /// let [low, high] = found.rows[0].depth;
@@ -98,7 +104,7 @@ pub fn find(
     model: &Model,
     rules: &Rules,
     options: &ClashOptions,
-    progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
+    mut progress: impl FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Clashes, ClashError> {
     check_length("within", options.within)?;
     let parts = model.parts();
@@ -107,30 +113,40 @@ pub fn find(
         .iter()
         .filter(|&&(a, b)| model.exclusion(a, b).is_none() && rules.excluded(&parts[a].name, &parts[b].name).is_none())
         .collect();
-    let (is_stopped, done) = (AtomicBool::new(false), Mutex::new(0));
-    let rows: Result<Vec<Option<Row>>, ClashError> = kept
-        .par_iter()
-        .with_max_len(16)
-        .map(|&&(a, b)| {
-            if is_stopped.load(Ordering::Relaxed) {
-                return Ok(None);
+    let (is_stopped, is_over, done) = (AtomicBool::new(false), AtomicBool::new(false), AtomicUsize::new(0));
+    let measure = |&&(a, b): &&(usize, usize)| {
+        if is_stopped.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        let row = Pair::new(&parts[a], &parts[b])?.row(rules, options);
+        done.fetch_add(1, Ordering::Relaxed);
+        Ok(row)
+    };
+    let mut rows: Result<Vec<Option<Row>>, ClashError> = Ok(Vec::new());
+    let caller = std::thread::current();
+    rayon::in_place_scope(|scope| {
+        scope.spawn(|_| {
+            rows = kept.par_iter().with_max_len(16).map(measure).collect();
+            is_over.store(true, Ordering::Release);
+            caller.unpark();
+        });
+        while !is_over.load(Ordering::Acquire) {
+            let now = Progress::new("pairs", done.load(Ordering::Relaxed), Some(kept.len()));
+            if progress(now).is_break() {
+                is_stopped.store(true, Ordering::Relaxed);
             }
-            let row = Pair::new(&parts[a], &parts[b])?.row(rules, options);
-            if let Ok(mut done) = done.lock() {
-                *done += 1;
-                if progress(*done, kept.len()).is_break() {
-                    is_stopped.store(true, Ordering::Relaxed);
-                }
+            // A thread of a pool works as well; any other one waits.
+            if rayon::yield_now() != Some(rayon::Yield::Executed) {
+                std::thread::park_timeout(BREATH);
             }
-            Ok(row)
-        })
-        .collect();
-    let rows = rows?.into_iter().flatten().collect();
+        }
+    });
+    let (rows, measured) = (rows?.into_iter().flatten().collect(), done.into_inner());
     Ok(Clashes {
         rows,
-        measured: done.into_inner().unwrap_or(kept.len()),
+        measured,
         excluded: pairs.len() - kept.len(),
-        is_complete: !is_stopped.into_inner(),
+        is_complete: measured == kept.len(),
     })
 }
 

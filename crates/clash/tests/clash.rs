@@ -5,16 +5,16 @@ use std::ops::ControlFlow;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Geometry, Mesh, Shape};
+use lin_canny::{Geometry, Mesh, Progress, Shape};
 use lin_canny_clash::{ClashOptions, Clashes, Kind, Model, Row, Rules, find};
 use truth::rng::Rng;
 
-fn go(_: usize, _: usize) -> ControlFlow<()> {
+fn go(_: Progress) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
 fn found(model: &Model, rules: &Rules, options: &ClashOptions) -> Clashes {
-    find(model, rules, options, &go).expect("parts in range")
+    find(model, rules, options, go).expect("parts in range")
 }
 
 /// A box by its lower and upper corner, in eighths.
@@ -225,7 +225,7 @@ fn rules_allow_press_fits_and_forbid_small_gaps() {
     assert!(broken(r#"{"allowed_volume": [["die*", "die*", 2e-6]]}"#).is_empty());
     assert_eq!(broken(r#"{"allowed_volume": [["die*", "die*", 5e-7]]}"#).len(), 2);
     for within in [-1.0, f64::NAN, f64::INFINITY] {
-        let refused = find(&model, &Rules::default(), &options.clone().within(within), &go).expect_err("no length");
+        let refused = find(&model, &Rules::default(), &options.clone().within(within), go).expect_err("no length");
         assert!(refused.to_string().starts_with("within is "), "{refused}");
     }
     // A gap that equals the margin keeps it.
@@ -267,13 +267,14 @@ fn rows_do_not_depend_on_threads_and_a_stop_keeps_what_is_done() {
         let again = pool.install(|| found(&model, &Rules::default(), &ClashOptions::default()));
         assert_eq!(again, all);
     }
-    let stop = |done: usize, _: usize| if done < 5 { go(0, 0) } else { ControlFlow::Break(()) };
-    let some = find(&model, &Rules::default(), &ClashOptions::default(), &stop).expect("parts");
-    assert!(
-        !some.is_complete && (5..39).contains(&some.rows.len()),
-        "{}",
-        some.rows.len()
-    );
+    let many = press_fits(3_000);
+    for least in [0, 1] {
+        let stop = |now: Progress| Progress::stop_if(now.done >= least);
+        let options = ClashOptions::default().volume(true);
+        let some = find(&many, &Rules::default(), &options, stop).expect("parts");
+        assert!(!some.is_complete && some.rows.len() < 2_999, "{}", some.rows.len());
+        assert_eq!(some.measured, some.rows.len());
+    }
 }
 
 #[test]

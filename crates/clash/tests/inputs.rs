@@ -15,7 +15,7 @@ fn folder(name: &str) -> PathBuf {
 
 fn found(model: &Model, rules: &Rules) -> Clashes {
     let options = ClashOptions::default().volume(true);
-    find(model, rules, &options, &|_, _| ControlFlow::Continue(())).expect("parts in range")
+    find(model, rules, &options, |_| ControlFlow::Continue(())).expect("parts in range")
 }
 
 fn base64(bytes: &[u8]) -> String {

@@ -164,8 +164,8 @@ fn row(a: (Geometry, Isometry3<f64>), b: (Geometry, Isometry3<f64>)) -> Row {
         model.add("part", geometry, pose);
     }
     let options = ClashOptions::default().within(1e3).volume(true);
-    let go = |_, _| ControlFlow::Continue(());
-    let found = find(&model, &Rules::default(), &options, &go).expect("parts in range");
+    let go = |_| ControlFlow::Continue(());
+    let found = find(&model, &Rules::default(), &options, go).expect("parts in range");
     found.rows.into_iter().next().expect("a row")
 }
 

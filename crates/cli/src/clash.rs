@@ -1,13 +1,12 @@
 //! The command `clash`: which parts of a model overlap, and which gaps are too small.
 
 use std::io::Write;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, ValueEnum};
-use lin_canny::{ManifoldOptions, PairTracker, RelativePose};
+use lin_canny::{ManifoldOptions, PairTracker, Progress, RelativePose};
 use lin_canny_clash::{
     ClashError, ClashOptions, Comparison, Kind, Model, ModelOptions, Part, Row, Rules, find, is_unlikely_size, to_csv,
     to_junit, worst_first,
@@ -159,15 +158,11 @@ pub(crate) fn run(options: &ClashArguments) -> Result<End, ToolError> {
         }
     });
     let bar = progress("pairs", 0);
-    let show = |done: usize, all: usize| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-        match is_stopped.load(Ordering::Relaxed) {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        }
-    };
-    let found = find(&model, &rules, &asked, &show)?;
+    let found = find(&model, &rules, &asked, |now: Progress| {
+        bar.set_length(now.total.unwrap_or_default() as u64);
+        bar.set_position(now.done as u64);
+        Progress::stop_if(is_stopped.load(Ordering::Relaxed))
+    })?;
     bar.finish_and_clear();
 
     let mut rows = found.rows;

@@ -452,3 +452,52 @@ fn a_reader_that_has_gone_is_no_error() {
     assert!(text(&table).contains("2,3,blocked,"));
     assert!(std::fs::metadata(&grid).expect("a grid").len() > 128);
 }
+
+/// Ctrl-C during `clash` writes the rows that are done.
+#[cfg(unix)]
+#[test]
+fn a_stopped_search_for_clashes_writes_its_rows() {
+    use std::fmt::Write as _;
+    use std::io::{BufRead, BufReader, Read as _};
+
+    let ball = lin_canny::polyhedron::solids::geodesic_sphere(4, 1.0).expect("a ball");
+    let ball = lin_canny::Mesh::from_convex(&ball).expect("a mesh");
+    let mut model = String::new();
+    for p in ball.vertices() {
+        writeln!(model, "v {} {} {}", p.x, p.y, p.z).expect("a line");
+    }
+    for k in 0..60 {
+        writeln!(model, "o ball{k}").expect("a line");
+        // The first one is open, which the tool prints before it searches.
+        for [a, b, c] in ball.triangle_vertices().into_iter().skip(usize::from(k == 0)) {
+            writeln!(model, "f {} {} {}", a + 1, b + 1, c + 1).expect("a line");
+        }
+    }
+    let (file, rows) = (out("model.obj"), out("rows.jsonl"));
+    std::fs::write(&file, model).expect("a model");
+    let mut tool = Command::new(env!("CARGO_BIN_EXE_lin-canny"));
+    let arguments = ["clash", &file, "--volume", "--jsonl", &rows];
+    let mut tool = tool
+        .args(arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the tool");
+    let mut stdout = BufReader::new(tool.stdout.take().expect("stdout"));
+    let mut first = String::new();
+    stdout.read_line(&mut first).expect("a line");
+    assert!(first.starts_with("ball0: repaired"), "{first}");
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let stopped = Command::new("kill")
+        .args(["-INT", &tool.id().to_string()])
+        .status()
+        .expect("kill");
+    assert!(stopped.success());
+    let mut rest = String::new();
+    stdout.read_to_string(&mut rest).expect("text");
+    assert_eq!(tool.wait().expect("an end").code(), Some(130), "{rest}");
+    let rows = text(&rows);
+    assert!(rows.lines().all(|line| line.starts_with("{\"a\":\"ball")), "{rows}");
+    let count = rows.lines().count();
+    assert!((1..60 * 59 / 2).contains(&count), "{count}: {rest}");
+}
