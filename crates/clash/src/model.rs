@@ -355,7 +355,8 @@ impl Model {
         for (k, &(a, i)) in added.iter().enumerate() {
             for &(b, j) in &added[k + 1..] {
                 let reason = CellPair::new(a, b).and_then(|pair| cell.exclusion(pair));
-                let is_one_link = cell.is_of_robot(a) && cell.is_of_robot(b) && cell.name(a) == cell.name(b);
+                let is_link = |id| matches!(id, CellBody::Robot(_));
+                let is_one_link = is_link(a) && is_link(b) && cell.name(a) == cell.name(b);
                 if is_one_link {
                     self.exclude(i, j, "one link");
                 } else if let Some(reason) = reason {

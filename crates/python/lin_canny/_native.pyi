@@ -1,6 +1,6 @@
 """Types of the extension module; the docstrings are those of the functions themselves."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, NoReturn, Protocol, TypeAlias, final, overload
 
@@ -43,6 +43,8 @@ __all__ = [
     "BodyId",
     "Cast",
     "Checker",
+    "Clash",
+    "Clashes",
     "Closest",
     "ClosestPoint",
     "Cloud",
@@ -76,6 +78,7 @@ __all__ = [
     "Trajectory",
     "UndecidedError",
     "Verdict",
+    "clash",
     "closest_batch",
     "closest_points",
     "contacts_batch",
@@ -263,6 +266,51 @@ class OverlapVolume:
     def loops(self) -> list[NDArray[np.float64]]: ...
 
 @final
+class Clash:
+    @property
+    def a(self) -> str: ...
+    @property
+    def b(self) -> str: ...
+    @property
+    def kind(
+        self,
+    ) -> Literal["apart", "touching", "close", "undecided", "crossing", "overlapping", "inside", "equal"]: ...
+    @property
+    def gap(self) -> tuple[float, float]: ...
+    @property
+    def depth(self) -> tuple[float, float]: ...
+    @property
+    def volume(self) -> tuple[float, float] | None: ...
+    @property
+    def point(self) -> _Vector: ...
+    @property
+    def rule(self) -> str | None: ...
+    @property
+    def broken(self) -> bool: ...
+    @property
+    def note(self) -> str | None: ...
+
+@final
+class Clashes:
+    @property
+    def rows(self) -> list[Clash]: ...
+    @property
+    def broken(self) -> list[Clash]: ...
+    @property
+    def notes(self) -> dict[str, str]: ...
+    @property
+    def unused_rules(self) -> list[str]: ...
+    @property
+    def skipped(self) -> list[str]: ...
+    @property
+    def measured(self) -> int: ...
+    @property
+    def excluded(self) -> int: ...
+    def to_jsonl(self) -> str: ...
+    def to_csv(self) -> str: ...
+    def to_junit(self) -> str: ...
+
+@final
 class Penetration:
     @property
     def lower(self) -> float: ...
@@ -402,6 +450,18 @@ class RayCaster:
 _Geometries: TypeAlias = Geometry | Sequence[Geometry]
 """One for all poses, or one for each pose."""
 
+def clash(
+    inputs: _Path | Sequence[_Path] | Mapping[str, Geometry | tuple[Geometry, _Pose]],
+    *,
+    rules: _Path | Mapping[str, Any] | None = None,
+    within: float = 0.0,
+    volume: bool = False,
+    unit: Literal["m", "mm", "in"] = "m",
+    repair: bool = True,
+    joints: Mapping[str, float] | None = None,
+    srdf: _Path | None = None,
+    progress: _Progress = None,
+) -> Clashes: ...
 def distances(
     a: _Geometries, b: _Geometries, poses: _Poses, *, threads: int = 1, progress: _Progress = None
 ) -> _Records: ...

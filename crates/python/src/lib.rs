@@ -4,6 +4,7 @@
 mod array;
 mod batch;
 mod checker;
+mod clash;
 mod cover;
 mod curve;
 mod errors;
@@ -44,6 +45,9 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     class::<tracker::Penetration>(module)?;
     class::<tracker::Cast>(module)?;
     class::<tracker::StartContact>(module)?;
+    class::<clash::Clash>(module)?;
+    class::<clash::Clashes>(module)?;
+    module.add_function(wrap_pyfunction!(clash::clash, module)?)?;
     class::<ray::RayCaster>(module)?;
     class::<ray::RayCast>(module)?;
     class::<recorder::Recorder>(module)?;
