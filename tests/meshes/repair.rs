@@ -53,6 +53,28 @@ fn ten_thousand_damaged_meshes_have_the_sides_of_exact_arithmetic() {
     check(1_000..11_000);
 }
 
+fn check_on_lattice(seeds: std::ops::Range<u64>) {
+    let n = seeds.end - seeds.start;
+    let mix = played(seeds, repairs::play_on_lattice);
+    println!("{mix:?}");
+    let parts = [&mix.damages[..], &mix.soups, &mix.points, &mix.repaired].concat();
+    assert!(
+        parts.iter().all(|count| *count > n / 16) && mix.changed < n * 30,
+        "{mix:?}"
+    );
+}
+
+#[test]
+fn damaged_meshes_have_the_sides_of_exact_integers() {
+    check_on_lattice(0..100);
+}
+
+#[test]
+#[ignore = "minutes: ten million points; cargo test --release --all-features --test meshes ten_million_points -- --ignored --nocapture"]
+fn ten_million_points_of_damaged_meshes_have_the_sides_of_exact_integers() {
+    check_on_lattice(1_000..11_000);
+}
+
 /// A box of side 2 about the origin, each face cut into 32 triangles.
 fn cube() -> Soup {
     truth::driven::slots::union_of(&[[[-1.0; 3], [1.0; 3]]], 4)

@@ -90,6 +90,15 @@ impl LatticeMesh {
 
     /// Returns the location of a point, by exact signs.
     pub fn place(&self, p: Fine) -> Place {
+        match self.winding(p) {
+            None => Place::On,
+            Some(0) => Place::Outside,
+            Some(_) => Place::Inside,
+        }
+    }
+
+    /// Returns the winding number about a point; `None` on the surface.
+    pub fn winding(&self, p: Fine) -> Option<i32> {
         let mut winding = 0;
         for &t in &self.cells[(self.cell_along(p[1]) * self.side + self.cell_along(p[2])) as usize] {
             let corners = self.corners(t as usize);
@@ -97,7 +106,7 @@ impl LatticeMesh {
             let from = apart(p, corners[0]);
             let height: i128 = (0..3).map(|k| n[k] * from[k]).sum();
             if height == 0 && is_within(corners, n, p) {
-                return Place::On;
+                return None;
             }
             // The ray crosses where all turns agree with the sign of the normal along x.
             let way = n[0].signum();
@@ -106,7 +115,7 @@ impl LatticeMesh {
                 winding += way;
             }
         }
-        if winding == 0 { Place::Outside } else { Place::Inside }
+        Some(winding as i32)
     }
 
     /// Returns a point that is hard to judge: on vertices, edges, faces and their planes, one step

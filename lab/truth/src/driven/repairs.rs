@@ -10,14 +10,16 @@ use lin_canny::nalgebra::Point3;
 use lin_canny::{ContactState, Mesh, MeshKind, PointQuery, RepairOptions};
 
 use super::exact_place::Place;
+use crate::lattice_points::{LATTICE_KINDS, LatticeMesh, float};
 use crate::near_points::{MESH_KINDS, hard_mesh, place};
 use crate::pose::{add, cross, norm, scale, sub};
 use crate::rng::Rng;
 use crate::soups::Soup;
 use crate::{Point, pose};
 
-/// Points of a mesh.
+/// Points of a mesh over the rationals, and on the lattice.
 const EACH: usize = 10;
+const EACH_ON_LATTICE: usize = 1000;
 
 crate::tally! {
     /// Counts of the results; if a count is zero, its ingredient was not tested.
@@ -131,20 +133,19 @@ fn is_in_box(p: Point, points: &[Point], slack: f64) -> bool {
     })
 }
 
-/// Plays a damaged mesh.
-///
-/// # Errors
-/// Returns the first wrong answer.
-pub fn play(seed: u64) -> Result<Mix, String> {
-    let mut rng = Rng::new(seed);
-    let (kind, damage) = (rng.below(MESH_KINDS), rng.below(6));
-    let size = *rng.pick(&[1.0, 1.0, 1.0, 2e-99, 1e-30, 3e50, 1e99]);
-    let base = hard_mesh(kind, &mut rng).map(|p| scale(p, size));
-    let Damaged { mut soup, patch } = damaged(&base, damage, &mut rng);
-    let mut mix = Mix::default();
+/// A damaged mesh that may be a soup, and how it is to be repaired.
+struct Case {
+    soup: Soup,
+    patch: Vec<Point>,
+    options: RepairOptions,
+    /// Points nearer to the surface than this may change sides.
+    doubt: f64,
+}
+
+fn case(base: &Soup, damage: usize, mix: &mut Mix, rng: &mut Rng) -> Case {
+    let Damaged { mut soup, patch } = damaged(base, damage, rng);
     mix.damages[damage] = 1;
     let mut options = RepairOptions::default();
-    // Points nearer to the surface than this may change sides.
     let mut doubt = 0.0;
     if rng.chance(0.4) {
         soup = soup.unwelded();
@@ -161,6 +162,92 @@ pub fn play(seed: u64) -> Result<Mix, String> {
             doubt = 2.0 * tolerance;
         }
     }
+    Case {
+        soup,
+        patch,
+        options,
+        doubt,
+    }
+}
+
+/// Plays a damaged mesh with vertices on a lattice, where a thousand points are judged by exact integers.
+///
+/// # Errors
+/// Returns the first wrong answer.
+pub fn play_on_lattice(seed: u64) -> Result<Mix, String> {
+    let mut rng = Rng::new(seed);
+    let (kind, damage) = (rng.below(MESH_KINDS), rng.below(6));
+    let mut mix = Mix::default();
+    let base = hard_mesh(kind, &mut rng);
+    let largest = base.points.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    // Even steps, so that the middle of an edge is on the lattice.
+    let on_lattice = |step: f64| move |p: Point| p.map(|x| (x / step).round() * step);
+    let base = base.map(|p| scale(p, 1.9 / largest)).map(on_lattice(2f64.powi(-19)));
+    let is_flat = |soup: &Soup, t: usize| {
+        let [a, b, c] = soup.corners(t);
+        cross(sub(b, a), sub(c, a)) == [0.0; 3]
+    };
+    if (0..base.triangles.len()).any(|t| is_flat(&base, t)) {
+        return Ok(mix);
+    }
+    let mut case = case(&base, damage, &mut mix, &mut rng);
+    case.soup = case.soup.map(on_lattice(2f64.powi(-20)));
+    let what = format!("seed {seed}: lattice mesh {kind}, damage {damage}, {:?}", case.options);
+    let mesh = Mesh::repaired(&given(&case.soup), &case.soup.triangles, &case.options);
+    let mesh = mesh.map_err(|e| format!("{what}: {e}"))?;
+    let repair = mesh.report().repair.as_deref().ok_or("no report of a repair")?;
+    mix.repaired = [repair.caps.len() as u64, repair.turned.len() as u64];
+    let mut chain = chain(&mesh);
+    let solid = (0..chain.triangles.len()).filter(|t| !is_flat(&chain, *t));
+    chain.triangles = solid.map(|t| chain.triangles[t]).collect();
+    let (before, after) = (LatticeMesh::new(&base), LatticeMesh::new(&chain));
+    let query = PointQuery::new(&mesh);
+    for k in 0..EACH_ON_LATTICE {
+        let from = if k % 3 == 0 { &before } else { &after };
+        let fine = from.hard_point(k % LATTICE_KINDS, &mut rng);
+        let p = float(fine, 0);
+        let point = Point3::from(p);
+        let told = |e: lin_canny::PointError| format!("{what}: {e}");
+        let (found, truth) = (query.winding_number(&point).map_err(told)?, after.winding(fine));
+        let is_inside = query.contains(&point).map_err(told)?;
+        if found != truth || is_inside != truth.is_none_or(|w| w != 0) {
+            return Err(format!(
+                "{what}, {p:?}: winding {found:?}, not {truth:?}; inside {is_inside}"
+            ));
+        }
+        mix.points[usize::from(is_inside)] += 1;
+        // On the surface of either mesh both sides are right.
+        let was = before.winding(fine);
+        if was.is_some() && truth.is_some() && (was != Some(0)) != is_inside {
+            let near = query.closest_point(&point).map_err(told)?.lower.abs();
+            if near <= case.doubt || is_in_box(p, &case.patch, 0.0) {
+                mix.changed += 1;
+                continue;
+            }
+            return Err(format!(
+                "{what}, {p:?}: winding before {was:?}, now {truth:?}, {repair}"
+            ));
+        }
+    }
+    Ok(mix)
+}
+
+/// Plays a damaged mesh.
+///
+/// # Errors
+/// Returns the first wrong answer.
+pub fn play(seed: u64) -> Result<Mix, String> {
+    let mut rng = Rng::new(seed);
+    let (kind, damage) = (rng.below(MESH_KINDS), rng.below(6));
+    let size = *rng.pick(&[1.0, 1.0, 1.0, 2e-99, 1e-30, 3e50, 1e99]);
+    let base = hard_mesh(kind, &mut rng).map(|p| scale(p, size));
+    let mut mix = Mix::default();
+    let Case {
+        soup,
+        patch,
+        options,
+        doubt,
+    } = case(&base, damage, &mut mix, &mut rng);
     let what = format!("seed {seed}: mesh {kind} times {size:e}, damage {damage}, {options:?}");
     let repaired = |soup: &Soup, options: &RepairOptions| {
         Mesh::repaired(&given(soup), &soup.triangles, options).map_err(|e| format!("{what}: {e}"))
