@@ -477,6 +477,21 @@ typedef struct lc_penetration {
   double shift[3];
 } lc_penetration;
 
+// The volume that two solids share, with its centre of mass in the world.
+typedef struct lc_overlap_volume {
+  // Lower bound; it may be negative by rounding.
+  double lower;
+  // Upper bound.
+  double upper;
+  // The centre of mass of the common part; NaN unless the volume is certainly positive.
+  double centroid[3];
+  // 1 if a solid was found to cover points twice or to face inward: each point counts by both
+  // winding numbers then.
+  uint32_t covers_itself;
+  // Zero.
+  uint32_t reserved;
+} lc_overlap_volume;
+
 // A body at a constant velocity, from time zero.
 typedef struct lc_motion {
   // The pose at time zero.
@@ -1153,6 +1168,18 @@ lc_status lc_pair_penetration(struct lc_pair pair,
                               const struct lc_pose *pose_b,
                               struct lc_penetration *out,
                               size_t out_size);
+
+// Writes bounds of the volume that the geometries of a pair share.
+//
+// `LC_REFUSED` if one of them is no polyhedron, no closed mesh and no union of polyhedra that do
+// not overlap each other. `out_size` is `sizeof(lc_overlap_volume)`.
+//
+// Contract: `pose_a` and `pose_b` point to poses, `out` to `out_size` bytes.
+lc_status lc_pair_overlap(struct lc_pair pair,
+                          const struct lc_pose *pose_a,
+                          const struct lc_pose *pose_b,
+                          struct lc_overlap_volume *out,
+                          size_t out_size);
 
 // Writes when two moving geometries first touch, or come within the distance of the options.
 //

@@ -322,6 +322,12 @@ class Pair : public Owner<lc_pair, lc_pair_free> {
       return lc_pair_contacts(get(), &a, &b, prediction, max_points, out, sizeof *out, capacity, count);
     });
   }
+  lc_overlap_volume overlap(const lc_pose &a, const lc_pose &b) {
+    lc_overlap_volume found;
+    check(lc_pair_overlap(get(), &a, &b, &found, sizeof found));
+    return found;
+  }
+
   lc_penetration penetration(const lc_pose &a, const lc_pose &b) {
     lc_penetration found;
     check(lc_pair_penetration(get(), &a, &b, &found, sizeof found));

@@ -138,6 +138,28 @@ unsafe impl Plain for lc_penetration {
     const FIRST: usize = 40;
 }
 
+/// The volume that two solids share, with its centre of mass in the world.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct lc_overlap_volume {
+    /// Lower bound; it may be negative by rounding.
+    pub lower: f64,
+    /// Upper bound.
+    pub upper: f64,
+    /// The centre of mass of the common part; NaN unless the volume is certainly positive.
+    pub centroid: [f64; 3],
+    /// 1 if a solid was found to cover points twice or to face inward: each point counts by both
+    /// winding numbers then.
+    pub covers_itself: u32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+// SAFETY: numbers only.
+unsafe impl Plain for lc_overlap_volume {
+    const FIRST: usize = 48;
+}
+
 /// Accepts a contact at the start that a cast proves not to come closer: see
 /// `start_contact_margin`.
 pub const LC_ACCEPT_START: u32 = 1;
@@ -569,6 +591,45 @@ pub unsafe extern "C" fn lc_pair_penetration(
                 lower: bounds.lower,
                 upper: bounds.upper,
                 shift: (pose.poses().0.rotation * bounds.shift).into(),
+            };
+            out.write(0, answer);
+            Ok(())
+        })
+    })
+}
+
+/// Writes bounds of the volume that the geometries of a pair share.
+///
+/// `LC_REFUSED` if one of them is no polyhedron, no closed mesh and no union of polyhedra that do
+/// not overlap each other. `out_size` is `sizeof(lc_overlap_volume)`.
+///
+/// # Safety
+/// `pose_a` and `pose_b` point to poses, `out` to `out_size` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn lc_pair_overlap(
+    pair: lc_pair,
+    pose_a: *const lc_pose,
+    pose_b: *const lc_pose,
+    out: *mut lc_overlap_volume,
+    out_size: usize,
+) -> lc_status {
+    guarded(|| {
+        // SAFETY: by the caller's contract.
+        let pose_a = unsafe { Given::one(pose_a, "pose_a") }?;
+        // SAFETY: by the caller's contract.
+        let pose_b = unsafe { Given::one(pose_b, "pose_b") }?;
+        // SAFETY: by the caller's contract.
+        let out = unsafe { Places::new(out, out_size, 1, "out") }?;
+        let pose = relative(&pose_a, &pose_b)?;
+        PAIRS.with(pair.id, |Pair { a, b, tracker }| {
+            let found = tracker.overlap(&*a, &*b, &pose).map_err(refused)?;
+            let centroid = found.centroid.map(|c| pose.poses().0 * c);
+            let answer = lc_overlap_volume {
+                lower: found.lower,
+                upper: found.upper,
+                centroid: centroid.map_or([f64::NAN; 3], Into::into),
+                covers_itself: found.covers_itself.into(),
+                reserved: 0,
             };
             out.write(0, answer);
             Ok(())

@@ -101,6 +101,10 @@ static void pairs() {
   TRUE(pair.contacts(identity, at(.99, 0, 0), .1).size() == 4);
   const lc_penetration depth = pair.penetration(identity, at(.75, 0, 0));
   TRUE(depth.lower <= .25 && .25 <= depth.upper && depth.upper < .2500001);
+  const lc_overlap_volume volume = pair.overlap(identity, at(.75, 0, 0));
+  TRUE(volume.lower <= .25 && .25 <= volume.upper && volume.upper - volume.lower < 1e-15 && volume.covers_itself == 0);
+  TRUE(std::fabs(volume.centroid[0] - .375) < 1e-12 && std::fabs(volume.centroid[1]) < 1e-12);
+  TRUE(status_of([&] { open.overlap(identity, identity); }) == LC_REFUSED);
   const std::vector<lc_pose> poses(100, at(1.5, 0, 0));
   const auto all = pair.ask_many(identity, poses, LC_DISTANCE);
   TRUE(all.size() == 100 && all[99].lower <= .5 && .5 <= all[99].upper && (all[99].answered & LC_POINTS) == 0);

@@ -606,6 +606,7 @@ static lc_status pair_call(int i, int j) {
   lc_answer answers[4];
   lc_contact contacts[4];
   lc_penetration depth;
+  lc_overlap_volume volume;
   lc_cast cast;
   lc_ray rays[4];
   lc_ray_hit hits[4];
@@ -620,7 +621,7 @@ static lc_status pair_call(int i, int j) {
     rays[n].length = any() % 2 ? 9 : v[71];
   }
   lc_pose *pose = MAYBE(q);
-  switch (any() % 12) {
+  switch (any() % 13) {
     case 0: if (any() % 8 == 0) return lc_pair_reset(p[i]); /* fallthrough */
     case 1: return lc_pair_new(g[i], g[j], MAYBE(&p[any() % N]));
     case 2: return lc_pair_free(p[i]);
@@ -633,6 +634,7 @@ static lc_status pair_call(int i, int j) {
     case 6: return lc_pair_within(p[i], pose, &q[1], v[50], MAYBE(&within));
     case 7: return lc_pair_contacts(p[i], pose, &q[1], fabs(v[51]) > 1 ? v[51] : .1, any() % 10, MAYBE(contacts), size_of(sizeof *contacts), count_of(4), &done);
     case 8: return lc_pair_penetration(p[i], pose, &q[1], MAYBE(&depth), size_of(sizeof depth));
+    case 11: return lc_pair_overlap(p[i], pose, &q[1], MAYBE(&volume), size_of(sizeof volume));
     case 9: {
       lc_motion from = {q[0], {v[20], v[21], v[22]}, {v[23], v[24], v[25]}}, to = {q[1], {0, 0, 0}, {v[26], 0, 0}};
       lc_cast_options o = {any() % 4 ? 1 : v[27], any() % 4 ? 1e-6 : v[28], any() % 4 ? 0 : v[29], v[30], any() % 4, 0};

@@ -296,6 +296,41 @@ fn depths_have_the_bits_of_rust() {
     assert!(found > 5000, "{found}");
 }
 
+#[test]
+fn volumes_have_the_bits_of_rust() {
+    let mut random = Random(10);
+    let mut found = 0;
+    for_all_pairs(|tracker, pair, [a, b], name| {
+        for _ in 0..EACH {
+            let pose_b = random.pose(0.9);
+            let pose = relative(&pose_b);
+            let r = tracker.overlap(a, b, &pose);
+            let there = of(&pose_b);
+            let mut c = std::mem::MaybeUninit::<lc_overlap_volume>::uninit();
+            let size = size_of::<lc_overlap_volume>();
+            // SAFETY: two poses and a place for an answer.
+            let status = unsafe { lc_pair_overlap(pair, &here(), &there, c.as_mut_ptr(), size) };
+            let Ok(r) = r else {
+                assert_eq!(status, lc_status::LC_REFUSED, "{name}");
+                continue;
+            };
+            ok(status);
+            // SAFETY: `LC_OK` says that the answer is written.
+            let c = unsafe { c.assume_init() };
+            assert_eq!(bits([r.lower, r.upper]), bits([c.lower, c.upper]), "{name}");
+            let centroid = r.centroid.map(|p| pose.poses().0 * p);
+            assert_eq!(
+                bits(centroid.map_or([f64::NAN; 3], Into::into)),
+                bits(c.centroid),
+                "{name}"
+            );
+            assert_eq!(u32::from(r.covers_itself), c.covers_itself, "{name}");
+            found += 1;
+        }
+    });
+    assert!(found > 500, "{found}");
+}
+
 /// Returns the text of a call, or nothing if the call refuses.
 fn text(call: impl FnOnce(*mut *mut c_char) -> lc_status) -> Option<CString> {
     let mut place = std::ptr::null_mut();
