@@ -15,6 +15,11 @@ pub mod contacts {}
 #[doc = include_str!("../images/geometry.svg")]
 pub mod meshes {}
 
+#[doc = include_str!("../docs/overlaps.md")]
+#[doc = ""]
+#[doc = include_str!("../images/overlap.svg")]
+pub mod overlaps {}
+
 #[doc = include_str!("../docs/curved_shapes.md")]
 #[doc = ""]
 #[doc = include_str!("../images/curved.svg")]
