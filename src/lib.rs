@@ -46,62 +46,6 @@
 //! whose bodies are half a metre and larger, [parry](https://parry.rs) alone is good enough.
 //! The [`guide`] has a chapter for each task.
 //!
-//! # The idea in five minutes
-//!
-//! A polyhedron is made of **features**: vertices, edges and faces. Two bodies apart are closest at
-//! a pair of points, and each point lies on one feature of its body: the *closest features*. There
-//! are few kinds of feature pairs, and for each kind the closest points are a formula. So the
-//! question "how far apart?" becomes "which features?".
-//!
-//! **Voronoi regions.** The Voronoi region of a feature is the set of points outside the body that
-//! are closer to this feature than to any other. Regions have plane borders: a prism over a face, a
-//! wedge at an edge, a cone at a vertex. Whether a point lies in a region is decided by a few
-//! signs, one per adjacent feature.
-//!
-#![doc = include_str!("../images/regions.svg")]
-//!
-//! **The criterion** (Lin and Canny 1991). Take a feature of each body and the closest points of
-//! these two features. The points are the closest points of the bodies if and only if each lies in
-//! the Voronoi region of the other feature. The rest of the two bodies need not be examined.
-//!
-//! **The walk.** If a point lies outside the region, a border was crossed, and behind this border
-//! lies an adjacent feature that is closer. The walk steps there and tests again. The distance
-//! falls with each step and features are finite in number, so the walk ends.
-//!
-#![doc = include_str!("../images/walk.svg")]
-//!
-//! *The point has moved from the ring to the dot. The feature remembered (1) is no longer the
-//! closest one: three steps to neighbours lead to the one that is (4).*
-//!
-//! **Coherence.** Between two frames bodies move a little, so the closest features of the last
-//! frame are still closest, or a step away from the closest. A [`Tracker`] remembers the features
-//! of the last answer and, for an overlap, the polytope that proved the depth. The chart on top
-//! counts the pairs tested: hardly more than one for small motions, for any number of
-//! vertices.
-//!
-//! **The certificate.** The criterion holds for real numbers. With rounding, borders blur: nearly
-//! parallel edges have no good formula, regions of nearly coplanar faces are slivers, and a walk
-//! may circle or stop on the wrong pair. So the walk only proposes. Two bounds that need no history
-//! judge the proposal: the distance of any two points of the bodies is an *upper* bound, and for
-//! any unit vector n the gap between the supporting planes perpendicular to n, least `n . b` minus
-//! greatest `n . a`, is a *lower* bound. At the closest points, with n along the line between them,
-//! the two bounds are equal. The crate computes both, adds the error of its own rounding, and
-//! returns [`Outcome::lower`] and [`Outcome::upper`]. If the bounds do not meet, finer solvers take
-//! over: [`Outcome::solver`] names the solver that answered.
-//!
-//! # Frames and units
-//!
-//! Body A sets the frame: [`RelativePose`] maps B's coordinates to A's (`a_from_b`). `point_on_a`
-//! and `normal` are in A's frame, `point_on_b` is in B's; [`in_world`](Outcome::in_world) maps all
-//! three to the world. The normal is a unit vector from A to B. Lengths are in the caller's unit,
-//! whichever that is.
-//!
-//! [`RelativePose::new`] returns an error for a rotation whose squared norm differs from 1 by more
-//! than 1e-12. For poses from `f32`, files or integration, [`RelativePose::new_normalized`]
-//! normalises both rotations first, and [`normalize_rotation`] does so for the poses of a scene.
-//! The types of the interface are those of [`lin_canny::nalgebra`](nalgebra); between versions of
-//! nalgebra, numbers cross as arrays.
-//!
 //! # Which function?
 //!
 //! A [`Tracker`] takes two convex polyhedra. A [`PairTracker`] takes any two geometries: polyhedra,
@@ -162,6 +106,62 @@
 //! | How do I give the pose of B relative to A? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | How much does the hull of a mesh add? | [`Mesh::hull_fit`] | [`HullFit`]: volumes and the largest gap |
 //! | How well do convex pieces approximate a mesh? | [`Decomposition`] | [`DecompositionFit`]: gaps; distances as intervals that hold for the mesh |
+//!
+//! # Frames and units
+//!
+//! Body A sets the frame: [`RelativePose`] maps B's coordinates to A's (`a_from_b`). `point_on_a`
+//! and `normal` are in A's frame, `point_on_b` is in B's; [`in_world`](Outcome::in_world) maps all
+//! three to the world. The normal is a unit vector from A to B. Lengths are in the caller's unit,
+//! whichever that is.
+//!
+//! [`RelativePose::new`] returns an error for a rotation whose squared norm differs from 1 by more
+//! than 1e-12. For poses from `f32`, files or integration, [`RelativePose::new_normalized`]
+//! normalises both rotations first, and [`normalize_rotation`] does so for the poses of a scene.
+//! The types of the interface are those of [`lin_canny::nalgebra`](nalgebra); between versions of
+//! nalgebra, numbers cross as arrays.
+//!
+//! # The idea in five minutes
+//!
+//! A polyhedron is made of **features**: vertices, edges and faces. Two bodies apart are closest at
+//! a pair of points, and each point lies on one feature of its body: the *closest features*. There
+//! are few kinds of feature pairs, and for each kind the closest points are a formula. So the
+//! question "how far apart?" becomes "which features?".
+//!
+//! **Voronoi regions.** The Voronoi region of a feature is the set of points outside the body that
+//! are closer to this feature than to any other. Regions have plane borders: a prism over a face, a
+//! wedge at an edge, a cone at a vertex. Whether a point lies in a region is decided by a few
+//! signs, one per adjacent feature.
+//!
+#![doc = include_str!("../images/regions.svg")]
+//!
+//! **The criterion** (Lin and Canny 1991). Take a feature of each body and the closest points of
+//! these two features. The points are the closest points of the bodies if and only if each lies in
+//! the Voronoi region of the other feature. The rest of the two bodies need not be examined.
+//!
+//! **The walk.** If a point lies outside the region, a border was crossed, and behind this border
+//! lies an adjacent feature that is closer. The walk steps there and tests again. The distance
+//! falls with each step and features are finite in number, so the walk ends.
+//!
+#![doc = include_str!("../images/walk.svg")]
+//!
+//! *The point has moved from the ring to the dot. The feature remembered (1) is no longer the
+//! closest one: three steps to neighbours lead to the one that is (4).*
+//!
+//! **Coherence.** Between two frames bodies move a little, so the closest features of the last
+//! frame are still closest, or a step away from the closest. A [`Tracker`] remembers the features
+//! of the last answer and, for an overlap, the polytope that proved the depth. The chart on top
+//! counts the pairs tested: hardly more than one for small motions, for any number of
+//! vertices.
+//!
+//! **The certificate.** The criterion holds for real numbers. With rounding, borders blur: nearly
+//! parallel edges have no good formula, regions of nearly coplanar faces are slivers, and a walk
+//! may circle or stop on the wrong pair. So the walk only proposes. Two bounds that need no history
+//! judge the proposal: the distance of any two points of the bodies is an *upper* bound, and for
+//! any unit vector n the gap between the supporting planes perpendicular to n, least `n . b` minus
+//! greatest `n . a`, is a *lower* bound. At the closest points, with n along the line between them,
+//! the two bounds are equal. The crate computes both, adds the error of its own rounding, and
+//! returns [`Outcome::lower`] and [`Outcome::upper`]. If the bounds do not meet, finer solvers take
+//! over: [`Outcome::solver`] names the solver that answered.
 //!
 //! # Guarantees
 //!

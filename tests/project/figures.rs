@@ -14,8 +14,9 @@ type Figure = (&'static str, &'static str, &'static str, fn(&Record) -> Vec<f64>
 const RECORDS: &str = "benches/record/";
 
 /// Pages that name records without figures, or as the place of all figures.
-const ELSEWHERE: [&str; 5] = [
+const ELSEWHERE: [&str; 6] = [
     "BENCHMARKS.md",
+    "benches/record/2026-12-01-tables.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
     "benches/record/README.md",
@@ -35,24 +36,21 @@ const ACCURACY: &str = "docs/accuracy.md";
 
 #[rustfmt::skip]
 const FIGURES: &[Figure] = &[
-    ("README.md", "turn by 0.5° per frame takes {} to {} ns", "2026-11-25-pairs.csv", |r| {
+    ("README.md", "takes {} to {} ns, a proven lower and upper bound included", "2026-11-25-pairs.csv", |r| {
         vec![r.after("coherent-0.5,sphere,8,ours,"), r.after("coherent-0.5,sphere,8192,ours,")]
     }),
-    ("README.md", "| `Tracker::closest` | {} | {} | {} |", "2026-11-25-pairs.csv", |r| tracked(r, "ours")),
-    ("README.md", "started from its last simplex | {} | {} | {} |", "2026-11-25-pairs.csv", |r| tracked(r, "gjk-cached")),
-    ("README.md", "| depth, overlap of 1 %, 8 to 8,192 vertices; a frame in a hundred takes [far longer](BENCHMARKS.md#through-contact) | {} to {} µs |", "2026-11-28-contact.csv",
+    ("README.md", "| nothing proven: `propose` | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "ours,walk")),
+    ("README.md", "| proven: `closest` | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "ours,certified")),
+    ("README.md", "benches/record/2026-11-25-pairs.csv)) | {} ns | last digit |", "2026-11-25-pairs.csv", |r| vec![r.after("coherent-0.5,sphere,512,ours-exact,")]),
+    ("README.md", "| parry's GJK `f64`, its simplex kept | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "gjk-cached,closest")),
+    ("README.md", "| parry `f64` | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "parry-f64,distance")),
+    ("README.md", "| parry `f32` | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "parry-f32,distance")),
+    ("README.md", "| depth, overlap of 1 %, 8 to 8,192 vertices; a frame in a hundred takes [far longer](BENCHMARKS.md#depths-and-contacts) | {} to {} µs |", "2026-11-28-contact.csv",
         |r| micros(r, |n| format!("shallow-0.5,sphere,{n},ours,"), &SIZES)),
-    ("README.md", "| contact manifold of the same hulls | {} to {} µs |", "2026-11-28-contact.csv",
-        |r| micros(r, |n| format!("shallow-0.5,sphere,{n},ours-manifold,"), &SIZES)),
     ("README.md", "| time of impact, turns of up to 1 radian, 8 to 2,048 vertices | {} to {} µs; rods and plates up to {} µs |", "2026-11-28-impact.csv", |r| impact(r, "1")),
-    ("README.md", "| the same, turns of up to 60 radians | {} to {} µs; rods and plates up to {} µs |", "2026-11-28-impact.csv", |r| impact(r, "60")),
     ("README.md", "| rocks {} µs, gears {} µs; with a new tracker {} and {} µs |", "2026-11-24-meshes.csv", |r| {
         let of = |shape, engine| r.after(&format!("tracked-0.5,{shape},20480,{engine},")) / 1e3;
         vec![of("rock", "ours"), of("gear", "ours"), of("rock", "ours-cold"), of("gear", "ours-cold")]
-    }),
-    ("README.md", "| {} to {} µs, and {} to {} µs; parry {} to {} µs, and {} to {} µs |", "2026-11-28-rays.csv", |r| {
-        let all = |shape: &str, sizes: &[u32], engine: &str| micros(r, |n| format!("at,{shape},{n},{engine},"), sizes);
-        ["ours", "parry"].iter().flat_map(|e| [all("hull", &[8, 32, 128, 512, 2048], e), all("rock", &[1280, 20480], e)].concat()).collect()
     }),
     ("README.md", "takes {} to {} CPU seconds on two cores of an Intel Xeon (2026-11-30), and parry3d-f64 takes {} to {} (", "2026-11-30-build.txt", |r| {
         let ends = |text| {
@@ -61,12 +59,11 @@ const FIGURES: &[Figure] = &[
         };
         [ends("\nours "), ends("\nparry3d-f64 ")].concat()
     }),
-    ("README.md", "None of {} hard cases fails; parry (`f64`) fails {} of them with the hulls of lin-canny and {} with its own", "corpus.md", |r| {
+    ("README.md", "none of {} named ones fails (touching, parallel, thin, far, tiny, equal bodies); parry (`f64`) fails {} of them with the hulls of lin-canny and {} with its own", "corpus.md", |r| {
         let all = r.all_after("| all | ");
         assert_eq!(all[2..4], [0.0, 0.0], "certified and exact");
         vec![all[0], all[4] + all[5], all[6] + all[7] + all[8]]
     }),
-    ("README.md", "with lin-canny's dispatcher alone {}, with its hulls alone {}, with both {}]", "crates/rapier/images/parts.svg", picture_of_parts),
     (PARRY, "rapier 150; with lin-canny's dispatcher alone {}; with its hulls alone {}; with both {}. ", "crates/rapier/images/parts.svg", picture_of_parts),
     (RAPIER, "rapier 150; with lin-canny's dispatcher alone {}; with its hulls alone {}; with both {}. ", "crates/rapier/images/parts.svg", picture_of_parts),
     (PARRY, "| parry's hulls, parry's dispatcher | {} | nothing is left | {} s |", "2026-11-25-parts.csv", |r| [0, 2].map(|k| r.all_after("\"rapier\",")[k]).to_vec()),
@@ -146,13 +143,6 @@ const FIGURES: &[Figure] = &[
 
 /// Vertices of the hulls of the race `contact`.
 const SIZES: [u32; 6] = [8, 32, 128, 512, 2048, 8192];
-
-/// Nanoseconds of tracked round hulls of 8, 128 and 8,192 vertices.
-fn tracked(r: &Record, engine: &str) -> Vec<f64> {
-    [8, 128, 8192]
-        .map(|n| r.after(&format!("coherent-0.5,sphere,{n},{engine},")))
-        .to_vec()
-}
 
 /// The least and the greatest of the rows of some sizes, in microseconds.
 fn micros(r: &Record, row: impl Fn(u32) -> String, sizes: &[u32]) -> Vec<f64> {

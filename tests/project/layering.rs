@@ -634,7 +634,7 @@ const PACKAGES: &[(&str, &[&str])] = &[
         &[
             "error number text xml polygon transform",
             // What readers return.
-            "mesh points grid",
+            "mesh scene points grid",
             "stl obj ply msh pcd xyz npy",
             "collada: geometry mod",
             "gltf: json buffer mesh mod",

@@ -71,21 +71,14 @@ fn commands_of_pages_exist() {
             seen += 1;
         }
     }
-    assert!(seen > 60, "{seen}");
+    assert!(seen > 35, "{seen}");
 }
 
 /// Every example of the table of examples exists, and the table lists every example.
 #[test]
 fn the_table_of_examples_is_complete() {
-    let readme = read("README.md");
-    let table = readme
-        .split("## Examples")
-        .nth(1)
-        .and_then(|rest| rest.split("\n## ").next());
-    let rows = table
-        .expect("a section on examples")
-        .lines()
-        .filter(|l| l.starts_with("| `"));
+    let readme = read("examples/README.md");
+    let rows = readme.lines().filter(|l| l.starts_with("| `"));
     let first = rows.filter_map(|l| l.split('|').nth(1));
     let mut named: Vec<String> = first
         .flat_map(|cell| cell.split('`').skip(1).step_by(2))
@@ -192,7 +185,7 @@ fn questions_of_the_readme_are_those_of_the_documentation() {
     let (some, all) = (rows(&readme, questions), rows(&front, questions));
     let other: Vec<_> = some.iter().filter(|row| !all.contains(row)).collect();
     assert!(
-        other.is_empty() && some.len() > 10,
+        other.is_empty() && some.len() == 6,
         "not in the documentation: {other:#?}"
     );
 }

@@ -385,7 +385,7 @@ fn ranges_of_meshes_and_compounds_have_receipts() {
     }
 }
 
-/// The rows of the table of meshes below "Receipts" in BENCHMARKS.
+/// The rows of the table of meshes below "Receipts" in `benches/record/2026-12-01-tables.md`.
 #[test]
 #[ignore = "a measurement: cargo test -p lin-canny-plan --all-features --test receipts_of_meshes sizes -- --ignored --nocapture"]
 fn sizes_and_times() {
