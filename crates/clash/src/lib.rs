@@ -36,3 +36,8 @@ pub use find::{ClashOptions, Clashes, find};
 pub use model::{Model, ModelOptions, Part, Unit};
 pub use row::{Comparison, Kind, Row, is_unlikely_size, to_csv, to_junit, worst_first};
 pub use rules::{Required, Rules};
+
+/// Compiles the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+mod readme {}
