@@ -36,16 +36,16 @@ const ACCURACY: &str = "docs/accuracy.md";
 
 #[rustfmt::skip]
 const FIGURES: &[Figure] = &[
-    ("README.md", "takes {} to {} ns, a proven lower and upper bound included", "2026-11-25-pairs.csv", |r| {
+    ("README.md", "that move little take {} to {} ns, with a lower and an upper bound", "2026-11-25-pairs.csv", |r| {
         vec![r.after("coherent-0.5,sphere,8,ours,"), r.after("coherent-0.5,sphere,8192,ours,")]
     }),
     ("README.md", "| nothing proven: `propose` | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "ours,walk")),
-    ("README.md", "| proven: `closest` | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "ours,certified")),
-    ("README.md", "benches/record/2026-11-25-pairs.csv)) | {} ns | last digit |", "2026-11-25-pairs.csv", |r| vec![r.after("coherent-0.5,sphere,512,ours-exact,")]),
-    ("README.md", "| parry's GJK `f64`, its simplex kept | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "gjk-cached,closest")),
-    ("README.md", "| parry `f64` | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "parry-f64,distance")),
-    ("README.md", "| parry `f32` | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "parry-f32,distance")),
-    ("README.md", "| depth, overlap of 1 %, 8 to 8,192 vertices; a frame in a hundred takes [far longer](BENCHMARKS.md#depths-and-contacts) | {} to {} µs |", "2026-11-28-contact.csv",
+    ("README.md", "| proven: `closest`, `distance` | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "ours,certified")),
+    ("README.md", "benches/record/2026-11-25-pairs.csv)) | {} ns | one unit in the last place |", "2026-11-25-pairs.csv", |r| vec![r.after("coherent-0.5,sphere,512,ours-exact,")]),
+    ("README.md", "| parry's GJK in `f64`, started from the last simplex | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "gjk-cached,closest")),
+    ("README.md", "| parry's `distance` in `f64`, started cold | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "parry-f64,distance")),
+    ("README.md", "| parry's `distance` in `f32`, started cold | {} ns | {} L |", "2026-11-20-accuracy.csv", |r| accuracy(r, "parry-f32,distance")),
+    ("README.md", "| depth, overlap of 1 %, 8 to 8,192 vertices; a frame in a hundred takes [up to 25 times as long](BENCHMARKS.md#depths-and-contacts) | {} to {} µs |", "2026-11-28-contact.csv",
         |r| micros(r, |n| format!("shallow-0.5,sphere,{n},ours,"), &SIZES)),
     ("README.md", "| time of impact, turns of up to 1 radian, 8 to 2,048 vertices | {} to {} µs; rods and plates up to {} µs |", "2026-11-28-impact.csv", |r| impact(r, "1")),
     ("README.md", "| rocks {} µs, gears {} µs; with a new tracker {} and {} µs |", "2026-11-24-meshes.csv", |r| {
@@ -59,7 +59,7 @@ const FIGURES: &[Figure] = &[
         };
         [ends("\nours "), ends("\nparry3d-f64 ")].concat()
     }),
-    ("README.md", "none of {} named ones fails (touching, parallel, thin, far, tiny, equal bodies); parry (`f64`) fails {} of them with the hulls of lin-canny and {} with its own", "corpus.md", |r| {
+    ("README.md", "of {} named ones (touching, parallel, thin, far, tiny, equal bodies) `closest` fails none. parry (`f64`) fails {} of them with the hulls of lin-canny and {} with its own", "corpus.md", |r| {
         let all = r.all_after("| all | ");
         assert_eq!(all[2..4], [0.0, 0.0], "certified and exact");
         vec![all[0], all[4] + all[5], all[6] + all[7] + all[8]]

@@ -26,7 +26,7 @@ use crate::error::ClashError;
 pub struct Rules {
     /// The distance that all pairs must keep.
     margin: f64,
-    /// Two names, and the distance that their pairs must keep, in place of the margin. The last rule that
+    /// Two names, and the distance that their pairs must keep, instead of the margin. The last rule that
     /// matches counts.
     margins: Vec<(String, String, f64)>,
     /// A name, and how much more the pairs of the part must keep.
@@ -79,7 +79,7 @@ impl Rules {
     /// | key | value |
     /// |---|---|
     /// | `margin` | the distance that all pairs must keep |
-    /// | `margins` | rows of two names and the distance that their pairs must keep, in place of the margin; the last row that matches counts |
+    /// | `margins` | rows of two names and the distance that their pairs must keep, instead of the margin; the last row that matches counts |
     /// | `paddings` | rows of a name and how much more the pairs of the part must keep |
     /// | `exclude` | rows of two names whose pairs are left out, and optionally the reason |
     /// | `allowed_depth`, `allowed_volume` | rows of two names and the depth or the volume that their overlap may have |

@@ -21,13 +21,13 @@ pub(crate) struct CoverOptions {
     /// Greatest number of balls that cover each collision element
     #[arg(long, value_name = "N", default_value_t = 8, conflicts_with = "gap")]
     balls: usize,
-    /// Greatest distance by which balls stick out, in metres, in place of a number of balls
+    /// Greatest distance by which balls stick out, in metres, instead of a number of balls
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     gap: Option<f64>,
     /// Greatest number of balls inside each collision element
     #[arg(long, value_name = "N", default_value_t = 8)]
     inner: usize,
-    /// Greatest number of faces of a hull around each collision element, in place of balls
+    /// Greatest number of faces of a hull around each collision element, instead of balls
     #[arg(long, value_name = "N", conflicts_with_all = ["balls", "gap", "inner"])]
     faces: Option<usize>,
     /// Output file: .urdf with outer balls as spheres or hulls as OBJ files beside it, or .json with

@@ -167,7 +167,7 @@ impl JointCurve {
     /// Returns the curves of a B-spline, one for each knot interval that is not empty.
     ///
     /// Each curve starts at the end of the one before, bit for bit. The times of a curve run from 0
-    /// to 1, in place of its knot interval: see `b_spline_times`.
+    /// to 1, instead of its knot interval: see `b_spline_times`.
     ///
     /// points: control points, shape (K, dof). knots: shape (K + degree + 1,), in ascending order
     /// and with their multiplicities. Without knots the spline is uniform: the knots are 0, 1, 2, ...,

@@ -106,7 +106,7 @@ impl From<NameText> for BodyName {
 /// | `geometry` | any geometry in the form in which `lin-canny` serialises it |
 /// | `heights` | `file` (rows of numbers, or an npy array of two axes) or `values`; `spacing` `[x, y]`: value `[i][j]` is at `(j x, i y)`; `base`: the body is solid down to this height, else an open surface |
 ///
-/// An obstacle that moves has `poses` in place of a pose: `{"file": "poses.csv"}`, a file with the
+/// An obstacle that moves has `poses` instead of a pose: `{"file": "poses.csv"}`, a file with the
 /// columns `time`, `x`, `y`, `z`, `qx`, `qy`, `qz` and `qw` in any order, or `{"rows": [...]}` with these
 /// eight numbers in each row. Positions are linear in between, and rotations are by slerp: see
 /// [`TimedPoses`]. Times are those of the trajectory, which must have no time before the first row
@@ -217,7 +217,7 @@ struct CellText {
     /// Names, and how much more the pairs of the bodies must keep.
     #[serde(default)]
     paddings: Vec<(NameText, f64)>,
-    /// Two names, and the distance that their pairs must keep, in place of the margin.
+    /// Two names, and the distance that their pairs must keep, instead of the margin.
     #[serde(default)]
     margins: Vec<(NameText, NameText, f64)>,
     /// Two names whose pairs are not checked, in addition to those of the robot.

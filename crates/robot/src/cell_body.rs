@@ -161,10 +161,10 @@ pub(crate) struct BodyText {
     /// Roll, pitch and yaw in radians.
     #[serde(default, deserialize_with = "exactly_if_given")]
     rpy: Option<[f64; 3]>,
-    /// The rotation as a quaternion, in place of `rpy`.
+    /// The rotation as a quaternion, instead of `rpy`.
     #[serde(default, deserialize_with = "exactly_if_given")]
     xyzw: Option<[f64; 4]>,
-    /// Poses at times of an obstacle that moves, in place of `xyz`, `rpy` and `xyzw`.
+    /// Poses at times of an obstacle that moves, instead of `xyz`, `rpy` and `xyzw`.
     pub(crate) poses: Option<PosesText>,
     /// Links that an attached object may touch.
     pub(crate) touch_links: Option<Vec<String>>,
@@ -221,11 +221,11 @@ struct MeshText {
 struct CloudText {
     /// A file of points: PLY, PCD, XYZ or npy.
     file: Option<String>,
-    /// The points, in place of a file.
+    /// The points, instead of a file.
     points: Option<Vec<[f64; 3]>>,
     /// The radius of a ball about each point.
     radius: Option<f64>,
-    /// The box about each point, in place of a radius.
+    /// The box about each point, instead of a radius.
     #[serde(rename = "box")]
     block: Option<BlockText>,
     /// A factor of the points.
@@ -238,7 +238,7 @@ struct CloudText {
 struct VoxelsText {
     /// A file of indices.
     file: Option<String>,
-    /// The indices of the filled cells, in place of a file.
+    /// The indices of the filled cells, instead of a file.
     indices: Option<Vec<[f64; 3]>>,
     /// The size of a cell: one number or three.
     size: SizeText,
@@ -280,7 +280,7 @@ pub(crate) struct HalfSpaceText {
 struct HeightsText {
     /// A file of heights: rows of numbers, or an npy array of two axes.
     file: Option<String>,
-    /// The heights, in place of a file: value `[i][j]` is at `(i, j)` times the spacing.
+    /// The heights, instead of a file: value `[i][j]` is at `(i, j)` times the spacing.
     values: Option<Vec<Vec<f64>>>,
     /// The spacing along x and y.
     #[serde(deserialize_with = "exactly")]

@@ -132,7 +132,7 @@ fn placed(mut cover: BallCover, body: &LinkBody, side: f64) -> BallCover {
     cover
 }
 
-/// Returns the text of a URDF file with spheres in place of the collision elements of the links.
+/// Returns the text of a URDF file with spheres instead of the collision elements of the links.
 ///
 /// All the rest of the file stays as it is: joints, visuals, comments. A link without a row in
 /// `covers` keeps its elements. The spheres are the outer balls, so `covers` must be that of all

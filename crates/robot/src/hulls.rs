@@ -66,7 +66,7 @@ pub fn hull_links(robot: &Robot, faces: usize) -> Result<Vec<LinkHulls>, LinkCov
     with_bodies.map(of_link).collect()
 }
 
-/// Returns the text of a URDF file with meshes in place of the geometries of the collision
+/// Returns the text of a URDF file with meshes instead of the geometries of the collision
 /// elements.
 ///
 /// All the rest of the file stays as it is: joints, visuals, origins, comments. A link without a

@@ -20,7 +20,7 @@
 //! its term.
 //!
 //! X is the larger of the two nodes, so rho is the radius of the smaller. A budget of path length
-//! in place of a direction fails ten times as often.
+//! instead of a direction fails ten times as often.
 //!
 //! For debugging, [`audit`] compares every claim of the front with all vertices below the nodes of
 //! the entry, and checks that the front covers all pairs.

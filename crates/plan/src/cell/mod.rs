@@ -722,7 +722,7 @@ impl Cell {
         };
     }
 
-    /// Returns the convex bodies that contain those of a pair, with hulls in place of meshes.
+    /// Returns the convex bodies that contain those of a pair, with hulls instead of meshes.
     ///
     /// Returns `None` if no body is a mesh, or if a body has no hull and is not convex.
     pub(crate) fn hulls(&self, pair: CellPair) -> Option<[&Geometry; 2]> {

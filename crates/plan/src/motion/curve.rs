@@ -372,7 +372,7 @@ impl JointCurve {
     /// `knots` are the knots with their multiplicities, in ascending order: as many as control
     /// points, plus the degree, plus one. The spline runs from the knot number `degree` to the
     /// knot of the same number from the end. Each curve starts at the end of the one before, bit
-    /// for bit. Times of the curves run from 0 to 1 each, in place of the knot intervals that
+    /// for bit. Times of the curves run from 0 to 1 each, instead of the knot intervals that
     /// [`b_spline_times`](Self::b_spline_times) returns.
     ///
     /// # Errors

@@ -140,7 +140,7 @@ impl Checker {
     ///     The width to which the least clearance of each pair is proven, a length. By default it is
     ///     only proven that they never meet.
     /// relative : float, optional
-    ///     This width as a fraction of the clearance, in place of `width`; the tool takes 0.1.
+    ///     This width as a fraction of the clearance, instead of `width`; the tool takes 0.1.
     /// seconds : float, optional
     ///     The time limit. Pairs without a verdict are then open.
     /// resume : sequence of LinkAudit, optional

@@ -222,7 +222,7 @@ impl Checker {
     ///     The width to which the least clearance of each pair is proven, a length. By default it is
     ///     only proven that the pair keeps its distance.
     /// relative : float, optional
-    ///     This width as a fraction of the clearance, in place of `width`.
+    ///     This width as a fraction of the clearance, instead of `width`.
     /// progress : callable or bool, optional
     ///     A callable that receives the number of cells of the pair at hand and the largest number,
     ///     or True for a tqdm bar.

@@ -194,7 +194,7 @@ pub(super) struct Owner {
     pub(super) depth: usize,
 }
 
-/// What an element `include` states in place of the model that it includes.
+/// What an element `include` states instead of the model that it includes.
 #[derive(Default)]
 pub(super) struct Override {
     pub(super) name: Option<String>,
