@@ -86,6 +86,11 @@ const NOT_RUN: &[(&str, usize, &str)] = &[
         "needs a nightly toolchain and minutes; `.ci/nightly` runs it for less",
     ),
     ("fuzz/README.md", 1, "needs cargo-fuzz and minutes"),
+    (
+        "tests/CASES.md",
+        1,
+        "needs a build of the workspace; the tests of the package draw suites",
+    ),
 ];
 
 /// Pages whose commands are long measurements, or of their day.

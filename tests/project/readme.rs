@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// The packages of the workspace that have programs, examples or tests.
-const PACKAGES: [&str; 15] = [
+const PACKAGES: [&str; 16] = [
     ".",
     "crates/capi",
     "crates/clash",
@@ -16,6 +16,7 @@ const PACKAGES: [&str; 15] = [
     "crates/robot",
     "crates/verify",
     "lab/bits",
+    "lab/cases",
     "lab/proofs",
     "lab/race",
     "lab/truth",

@@ -8,8 +8,6 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`rng`] | a seeded generator: the same numbers on every machine |
-//! | [`shapes`] | deliberately hard bodies |
 //! | [`motion`], [`workload`] | seeded motions of a pair, and the motions for timing |
 //! | [`boxes`], [`crowd`] | scenes of moving boxes, and of moving hulls |
 //! | [`contacts`] | scenes of two bodies in contact |
@@ -25,39 +23,29 @@
 //! | [`pairs`] | pairs in the form of this crate and of parry, and their motions |
 //! | [`nets`] | control points of curved surfaces |
 //! | [`soups`], [`turned`], [`brute`] | nonconvex meshes, CAD-like meshes, and their naive oracle |
-//! | [`exact`] | the naive oracle: exact contact state and distance of two small bodies |
 //! | [`near_points`] | the exact side and distance of points and meshes, and hard points |
 //! | [`volumes`] | the volume that two closed meshes share, exactly |
 //! | [`covers`] | whether balls contain a triangle or a tetrahedron, exactly |
 //! | [`lattice_points`] | the exact side of points on a lattice, in microseconds |
 //! | [`paths`] | the naive oracle of vertices on straight paths, and deliberately hard queries |
 //! | [`curved`] | the judge of curved pairs: the duality gap in double-double |
-//! | [`brute_hull`] | exact faces of a few points |
-//! | [`bound`] | exact checks of an outcome for bodies of any size |
-//! | [`suite`] | files of cases with or without their exact values |
 //! | [`corpus`] | the named hard cases of `tests/corpus/` |
 //! | [`parry`] | the reference engine |
-//! | [`command`] | entry point of programs with options: for the examples of all packages |
 //!
-//! `exact` and `bound` use [`body`] (bodies at exact poses), [`rational`] (exact arithmetic) and
-//! [`verdict`] (the result of the oracle). [`pose`] contains the pose and a few vector helpers.
+//! The package [`cases`] contains the naive oracle, exact checks, hard bodies, files of cases,
+//! poses and random numbers; they have the same names here.
 
 pub mod arm;
-pub mod body;
-pub mod bound;
 pub mod boxes;
 pub mod brute;
-pub mod brute_hull;
 pub mod casts;
 pub mod cells;
-pub mod command;
 pub mod contacts;
 pub mod corpus;
 pub mod covers;
 pub mod crowd;
 pub mod curved;
 pub mod driven;
-pub mod exact;
 pub mod exact_meshes;
 pub mod faults;
 pub mod forms;
@@ -70,25 +58,14 @@ pub mod pairs;
 pub mod parry;
 pub mod paths;
 pub mod plans;
-pub mod pose;
-pub mod rational;
-#[path = "../../../tests/support/rng.rs"]
-pub mod rng;
 pub mod rooms;
 pub mod rows;
-pub mod shapes;
 pub mod soups;
-pub mod suite;
 pub mod support;
 pub mod tally;
 pub mod turned;
-pub mod verdict;
 pub mod volumes;
 pub mod workload;
 
-pub use body::Body;
-pub use pose::{Point, Pose};
-pub use verdict::{ContactState, Exact};
-
-/// A face: indices of points, counter-clockwise seen from outside.
-pub type Face = Vec<u32>;
+pub use cases::{Body, ContactState, Exact, Face, Point, Pose};
+pub use cases::{body, bound, brute_hull, command, exact, pose, rational, rng, say, shapes, suite, verdict};

@@ -1,4 +1,4 @@
-//! Reader of case files: pairs of bodies at two poses, with or without exact values.
+//! Reader and writer of case files: pairs of bodies at two poses, with or without exact values.
 //! `tests/CASES.md` defines the format.
 //!
 //! Files may be large, so [`Reader`] returns one line at a time and stores no more than that line.
@@ -6,9 +6,9 @@
 use crate::shapes::Shape;
 use crate::verdict::ContactState;
 use crate::{Face, Point, Pose};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{self, BufRead, BufReader};
+use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
 use std::{error, fmt};
 
@@ -24,7 +24,7 @@ pub enum Line {
 }
 
 /// Name and seed of a file.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Header {
     /// Version of the format; must be 1.
     pub version: u32,
@@ -112,7 +112,7 @@ struct Kind<'a> {
     t: &'a str,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 struct RawShape {
     id: usize,
     #[serde(default)]
@@ -122,7 +122,7 @@ struct RawShape {
     f: Vec<Face>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 struct RawCase {
     id: u64,
     #[serde(default)]
@@ -139,14 +139,21 @@ struct RawCase {
     ta: Point,
     qb: [f64; 4],
     tb: Point,
+    #[serde(skip_serializing_if = "Option::is_none")]
     cls: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     s_lo: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     n: Option<Point>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     wa: Option<Point>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     wb: Option<Point>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     ties: Option<u64>,
-    #[serde(rename = "L")]
+    #[serde(rename = "L", skip_serializing_if = "Option::is_none")]
     size: Option<f64>,
 }
 
@@ -210,6 +217,69 @@ impl RawCase {
             truth,
         })
     }
+}
+
+impl From<&SuiteShape> for RawShape {
+    fn from(s: &SuiteShape) -> Self {
+        Self {
+            id: s.id,
+            name: s.shape.name.clone(),
+            v: s.shape.points.concat(),
+            f: s.shape.faces.clone(),
+        }
+    }
+}
+
+impl From<&Case> for RawCase {
+    fn from(c: &Case) -> Self {
+        let truth = c.truth.as_ref();
+        let (wa, wb) = truth.and_then(|t| t.witnesses).unzip();
+        Self {
+            id: c.id,
+            fam: c.family.clone(),
+            lvl: c.level.clone(),
+            seq: c.sequence.map_or(-1, |s| s as i64),
+            frame: c.frame,
+            a: c.a,
+            b: c.b,
+            qa: c.pose_a.q,
+            ta: c.pose_a.t,
+            qb: c.pose_b.q,
+            tb: c.pose_b.t,
+            cls: truth.map(|t| t.state.word().to_owned()),
+            s: truth.map(|t| t.distance),
+            s_lo: truth.map(|t| t.remainder),
+            n: truth.and_then(|t| t.normal),
+            wa,
+            wb,
+            ties: truth.and_then(|t| t.ties),
+            size: truth.and_then(|t| t.size),
+        }
+    }
+}
+
+/// A line with its kind, as it is written.
+#[derive(Serialize)]
+struct Tagged<T> {
+    t: &'static str,
+    #[serde(flatten)]
+    rest: T,
+}
+
+/// Writes one line of a case file.
+pub fn write(out: &mut impl Write, line: &Line) -> io::Result<()> {
+    let text = match line {
+        Line::Header(rest) => serde_json::to_string(&Tagged { t: "suite", rest }),
+        Line::Shape(shape) => serde_json::to_string(&Tagged {
+            t: "shape",
+            rest: RawShape::from(shape),
+        }),
+        Line::Case(case) => serde_json::to_string(&Tagged {
+            t: "case",
+            rest: RawCase::from(&**case),
+        }),
+    };
+    writeln!(out, "{}", text?)
 }
 
 /// Parses one line; `None` for an empty line and for unknown kinds.

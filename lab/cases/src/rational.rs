@@ -48,6 +48,75 @@ pub fn placed(points: &[Point], pose: &Pose) -> Vec<[RBig; 3]> {
     points.iter().map(place).collect()
 }
 
+/// Returns `m` and `e` of `x = m 2^e`; `m` is odd or zero.
+fn parts(x: f64) -> (i64, i32) {
+    assert!(x.is_finite(), "{x} is not finite");
+    let field = (x.to_bits() >> 52 & 0x7ff) as i32;
+    let fraction = (x.to_bits() & ((1 << 52) - 1)) as i64;
+    let (m, e) = if field == 0 {
+        (fraction, -1074)
+    } else {
+        (fraction | 1 << 52, field - 1075)
+    };
+    let shift = m.trailing_zeros() % 64; // zero stays zero
+    let m = m >> shift;
+    (if x < 0.0 { -m } else { m }, e + shift as i32)
+}
+
+/// Returns the least exponent of some numbers, or 0 if all are zero.
+fn least_exponent<'a>(numbers: impl Iterator<Item = &'a f64>) -> i32 {
+    let nonzero = numbers.filter(|x| **x != 0.0);
+    nonzero.map(|&x| parts(x).1).min().unwrap_or(0)
+}
+
+/// Returns `x / 2^e`, which must be an integer.
+fn whole(x: f64, e: i32) -> IBig {
+    let (m, own) = parts(x);
+    IBig::from(m) << if m == 0 { 0 } else { (own - e) as usize }
+}
+
+/// Returns a matrix `M` and a number `n` of integers with the rotation `M / n`.
+fn whole_rotation(q: [f64; 4]) -> ([IntVec; 3], IBig) {
+    let e = least_exponent(q.iter());
+    let [x, y, z, w] = &q.map(|c| whole(c, e));
+    let two = |a: IBig| a << 1;
+    let rows = [
+        [w * w + x * x - y * y - z * z, two(x * y - w * z), two(x * z + w * y)],
+        [two(x * y + w * z), w * w - x * x + y * y - z * z, two(y * z - w * x)],
+        [two(x * z - w * y), two(y * z + w * x), w * w - x * x - y * y + z * z],
+    ];
+    (rows, x * x + y * y + z * z + w * w)
+}
+
+/// Returns the points of two bodies at their poses, exactly, as integers over one common
+/// denominator, and the denominator.
+pub fn placed_together(a: &[Point], pose_a: &Pose, b: &[Point], pose_b: &Pose) -> (Vec<IntVec>, Vec<IntVec>, UBig) {
+    let lengths = a.iter().chain(b).chain([&pose_a.t, &pose_b.t]).flatten();
+    let e = least_exponent(lengths).min(0);
+    let (ra, na) = whole_rotation(pose_a.q);
+    let (rb, nb) = whole_rotation(pose_b.q);
+    let put = |points: &[Point], (rows, n): (&[IntVec; 3], &IBig), t: Point, by: &IBig| -> Vec<IntVec> {
+        let origin = t.map(|x| whole(x, e) * n);
+        let place = |p: &Point| {
+            let v = p.map(|x| whole(x, e));
+            std::array::from_fn(|i| (dot(&rows[i], &v) + &origin[i]) * by)
+        };
+        points.iter().map(place).collect()
+    };
+    let (by_a, by_b) = if pose_a.q == pose_b.q {
+        (IBig::ONE, IBig::ONE)
+    } else {
+        (nb.clone(), na.clone())
+    };
+    let den = (&na * &by_a) << (-e) as usize;
+    let den = UBig::try_from(den).expect("a square is not negative");
+    (
+        put(a, (&ra, &na), pose_a.t, &by_a),
+        put(b, (&rb, &nb), pose_b.t, &by_b),
+        den,
+    )
+}
+
 /// Returns two sets of points as integers over one common denominator, and the denominator.
 pub fn common(a: &[[RBig; 3]], b: &[[RBig; 3]]) -> (Vec<IntVec>, Vec<IntVec>, UBig) {
     let lcm = |d: UBig, x: &RBig| &d / (&d).gcd(x.denominator()) * x.denominator();
@@ -155,6 +224,28 @@ mod tests {
         };
         let p = placed(&[[1.0, 2.0, 3.0]], &pose);
         assert_eq!(p[0], [exact(-1.5), exact(1.0), exact(3.0) + exact(1e-30)]);
+    }
+
+    #[test]
+    fn points_are_placed_alike_over_integers_and_over_rationals() {
+        let mut r = Rng::new(6);
+        for k in 0..300 {
+            let points = [(); 3].map(|()| r.unit().map(|x| x * [1.0, 0.0, 1e-300, 1e200][k % 4]));
+            let pose_a = Pose {
+                q: r.quat(),
+                t: r.unit().map(|x| x * [0.0, 1.0, 1e9][k % 3]),
+            };
+            let q = if k % 5 == 0 { pose_a.q } else { r.quat() };
+            let pose_b = Pose {
+                q,
+                t: [5e-324, -0.0, 1.0],
+            };
+            let (a, b, den) = placed_together(&points, &pose_a, &points, &pose_b);
+            for (ours, pose) in [(a, pose_a), (b, pose_b)] {
+                let ours = ours.into_iter().map(|v| v.map(|x| RBig::from_parts(x, den.clone())));
+                assert!(ours.eq(placed(&points, &pose)));
+            }
+        }
     }
 
     #[test]

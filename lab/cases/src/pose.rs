@@ -1,6 +1,7 @@
 //! A rigid pose as plain numbers, and the vector operations of the generators.
 
 use crate::rng::Rng;
+#[cfg(feature = "nalgebra")]
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion};
 
 /// A point or a vector.
@@ -51,6 +52,7 @@ impl Pose {
     }
 
     /// Returns an isometry with exactly the same bits.
+    #[cfg(feature = "nalgebra")]
     pub fn isometry(&self) -> Isometry3<f64> {
         let [x, y, z, w] = self.q;
         Isometry3::from_parts(

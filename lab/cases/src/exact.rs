@@ -27,27 +27,28 @@ use dashu_int::IBig;
 use dashu_ratio::RBig;
 
 /// The square of a length as numerator and positive denominator.
-pub(crate) type Frac = (IBig, IBig);
+pub type Frac = (IBig, IBig);
 
-pub(crate) fn less(a: Frac, b: Frac) -> Frac {
+/// Returns the lesser of two fractions.
+pub fn less(a: Frac, b: Frac) -> Frac {
     if &a.0 * &b.1 <= &b.0 * &a.1 { a } else { b }
 }
 
 /// Squared distance of a point and a vertex.
-pub(crate) fn to_corner(p: &IntVec, q: &IntVec) -> Frac {
+pub fn to_corner(p: &IntVec, q: &IntVec) -> Frac {
     let w = sub(p, q);
     (dot(&w, &w), IBig::ONE)
 }
 
 /// Squared distance of a point and the interior of an edge.
-pub(crate) fn to_edge(p: &IntVec, [a, b]: &Edge) -> Option<Frac> {
+pub fn to_edge(p: &IntVec, [a, b]: &Edge) -> Option<Frac> {
     let (u, w) = (sub(b, a), sub(p, a));
     let (along, len2, off) = (dot(&u, &w), dot(&u, &u), cross(&u, &w));
     (along > IBig::ZERO && along < len2).then(|| (dot(&off, &off), len2))
 }
 
 /// Squared distance of a point and a face above or below which it lies; `n` must not be zero.
-pub(crate) fn to_face(p: &IntVec, corners: &[IntVec], n: &IntVec) -> Option<Frac> {
+pub fn to_face(p: &IntVec, corners: &[IntVec], n: &IntVec) -> Option<Frac> {
     let mut sides = corners.iter().zip(corners.iter().cycle().skip(1));
     let over = sides.all(|(a, b)| dot(&cross(n, &sub(b, a)), &sub(p, a)) >= IBig::ZERO);
     let height = dot(n, &sub(p, &corners[0]));
@@ -55,7 +56,7 @@ pub(crate) fn to_face(p: &IntVec, corners: &[IntVec], n: &IntVec) -> Option<Frac
 }
 
 /// Squared distance of two edges whose lines are closest within both.
-pub(crate) fn edge_edge([a, b]: &Edge, [c, d]: &Edge) -> Option<Frac> {
+pub fn edge_edge([a, b]: &Edge, [c, d]: &Edge) -> Option<Frac> {
     let (u, v, w) = (sub(b, a), sub(d, c), sub(c, a));
     let n = cross(&u, &v);
     let (n2, s, t) = (dot(&n, &n), dot(&cross(&w, &v), &n), dot(&cross(&w, &u), &n));

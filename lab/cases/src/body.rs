@@ -1,7 +1,7 @@
 //! Bodies as plain data, and bodies at exact poses: vertices, edges and face normals over the
 //! integers.
 
-use crate::rational::{IntVec, common, cross, dot, placed, sub};
+use crate::rational::{IntVec, cross, dot, placed_together, sub};
 use crate::shapes::Shape;
 use crate::{Face, Point, Pose};
 use dashu_int::IBig;
@@ -45,7 +45,7 @@ pub struct Placed {
 /// Puts two bodies exactly at their poses. Returns them over one common denominator, and the
 /// denominator.
 pub fn place_two(a: Body, pose_a: &Pose, b: Body, pose_b: &Pose) -> (Placed, Placed, IBig) {
-    let (pa, pb, den) = common(&placed(a.points, pose_a), &placed(b.points, pose_b));
+    let (pa, pb, den) = placed_together(a.points, pose_a, b.points, pose_b);
     (Placed::new(pa, a.faces), Placed::new(pb, b.faces), den.into())
 }
 

@@ -101,6 +101,17 @@ fn the_description_is_right() {
 }
 
 #[test]
+fn lines_are_written_as_they_were_read() {
+    let lines: Vec<Line> = read(FILE).into_iter().map(Result::unwrap).collect();
+    let mut text = Vec::new();
+    lines.iter().for_each(|line| write(&mut text, line).unwrap());
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.starts_with("{\"t\":\"suite\",\"version\":1,"), "{text}");
+    let again: Vec<Line> = read(&text).into_iter().map(Result::unwrap).collect();
+    assert_eq!(format!("{lines:?}"), format!("{again:?}"), "-0.0 and all");
+}
+
+#[test]
 fn bad_lines_are_named() {
     assert!(error_of("\n{\"t\":\"suite\",\"version\":2}\n").contains("line 2: version 2"));
     assert!(error_of("{\"t\":\"shape\",\"id\":4,\"v\":[1,2]}").contains("shape 4 has 2 coordinates"));
