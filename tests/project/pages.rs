@@ -87,6 +87,11 @@ const NOT_RUN: &[(&str, usize, &str)] = &[
     ),
     ("fuzz/README.md", 1, "needs cargo-fuzz and minutes"),
     (
+        "lab/referee/README.md",
+        1,
+        "needs a build of the package; `.ci/python` judges lin-canny with it",
+    ),
+    (
         "tests/CASES.md",
         1,
         "needs a build of the workspace; the tests of the package draw suites",

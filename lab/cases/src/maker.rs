@@ -128,6 +128,7 @@ impl<W: Write> Maker<W> {
     /// rounded translation allows. B comes from the unit `direction`.
     pub fn aim(&mut self, a: BodyId, pose_a: &Pose, b: BodyId, q: [f64; 4], direction: Point, gap: f64) -> Pose {
         let extent = self.extent(a, b);
+        assert!(extent > 0.0, "two points have no size");
         let from = |far: f64| Pose {
             q,
             t: add(pose_a.t, scale(direction, far * extent)),
