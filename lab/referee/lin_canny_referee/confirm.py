@@ -103,7 +103,7 @@ def signed_distance(body_a: dict, body_b: dict) -> float:
                 return root(found / unit**2)
             square = Fraction(gap * gap, dot(n, n))
             least = square if least is None else min(least, square)
-    return -root(least / unit**2)
+    return -root(least / unit**2) or 0.0
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from lin_canny_referee import adapter, cases
+from lin_canny_referee import adapter, cases, summary
 from lin_canny_referee.__main__ import COLUMNS, main
 from lin_canny_referee.confirm import signed_distance
 
@@ -171,3 +171,22 @@ def test_unknown_engines_and_options_are_named():
     ]:
         with pytest.raises(SystemExit, match=message):
             main(words)
+
+
+def test_the_summary_takes_the_best_options_of_each_engine(tmp_path, capsys, monkeypatch):
+    file, svg = tmp_path / "two.csv", tmp_path / "two.svg"
+    rows_of = [
+        ["good", "1", "default", "round", 9, 2, 0, 0, 0, 0, 1e-9, 1e-3, 900],
+        ["good", "1", "careful", "round", 9, 0, 0, 0, 0, 0, 1e-12, 1e-9, 9000],
+        ["none", "2", "default", "round", 9, 0, 9, 0, 0, 0, "nan", "nan", "nan"],
+        ["good", "1", "careful", "flat", 9, 0, 9, 0, 0, 0, "nan", "nan", "nan"],
+    ]
+    with open(file, "w", newline="") as out:
+        csv.writer(out).writerows([COLUMNS, *rows_of])
+    monkeypatch.setattr(sys, "argv", ["summary", "--svg", str(svg), str(file)])
+    summary.main()
+    lines = capsys.readouterr().out.splitlines()
+    assert "| good 1 | careful | 0 | 0 | 0 | 1e-09 | 9.0 |" in lines
+    assert "| none 2 | default | 9 | 9 | 0 | - | nan |" in lines
+    assert "| good 1 | careful | 9 | 9 | 0 | - | nan |" in lines, "extreme, in a table of its own"
+    assert "good: none of 9 failed" in svg.read_text()
