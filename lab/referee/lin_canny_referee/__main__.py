@@ -6,13 +6,14 @@ import argparse
 import csv
 import json
 import math
+import shutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 from . import adapter, cases, drive, worst
-from .judge import Judge, Tally, parse
+from .judge import Judge, Tally, parse, witnesses_are_local
 
 COLUMNS = (
     "engine,version,options,family,cases,wrong,no_answer,nan,crashed,timeout,median_error,worst_error,median_ns"
@@ -21,7 +22,18 @@ WORST = 50
 
 
 def options_of(engine: type[adapter.Adapter]) -> list[str]:
-    return [kind + frame for kind in engine.options for frame in ("", "-relative")]
+    frames = ("", "-relative") if engine.program is None else ("",)
+    return [kind + frame for kind in engine.options for frame in frames]
+
+
+def command(o: argparse.Namespace, engine: type[adapter.Adapter], options: str) -> list[str]:
+    """Returns the program that answers a file of cases."""
+    if engine.program is None:
+        return [sys.executable, "-m", f"{__package__}.worker", o.engine, options]
+    program = shutil.which(engine.program[0])
+    if program is None:
+        raise SystemExit(f"the program {engine.program[0]!r} of {o.engine} is not on the path")
+    return [program, *engine.program[1:], *(engine.careful_program if options == "careful" else [])]
 
 
 def arguments(words: list[str] | None) -> argparse.Namespace:
@@ -35,7 +47,7 @@ def arguments(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--cases", default="cases", metavar="PROGRAM", help="the program `cases` of lin-canny")
     parser.add_argument("--options", help="default, careful, default-relative, careful-relative; by default all")
     parser.add_argument("--only", metavar="N", type=int, help="judge the first N cases of each family")
-    parser.add_argument("--seconds", type=float, default=10.0, help="time limit of one case; default 10")
+    parser.add_argument("--seconds", type=float, default=10.0, help="time limit of one case; default 10; ten times that for a batch")
     parser.add_argument("--limit", type=int, help="exit with 1 if more cases than this are wrong or without an answer")
     parser.add_argument("--csv", metavar="FILE", help="write a row for each family")
     parser.add_argument("--worst", metavar="FILE", help=f"write the {WORST} worst cases as JSON lines, with code")
@@ -120,10 +132,11 @@ def main(words: list[str] | None = None) -> int:
         rewrite(source, {c.number for c in asked}, file)
         for options in all_options:
             part = folder / f"{options}.txt"
-            worker = [sys.executable, "-m", f"{__package__}.worker", o.engine, options]
-            drive.run(worker, file, part, [c.number for c in asked], o.seconds)
+            # Answers of a batch come at once.
+            seconds = o.seconds * (10 if hasattr(engine, "batch") else 1)
+            drive.run(command(o, engine, options), file, part, [c.number for c in asked], seconds)
             answers = parse(part)
-            judge = Judge(engine, shapes, options.endswith("-relative"))
+            judge = Judge(engine, shapes, options.endswith("-relative"), witnesses_are_local(part))
             tallies: dict[str, Tally] = {}
             for case in asked:
                 given = answers.get(case.number)

@@ -33,7 +33,7 @@ class Tolerance:
     """Errors that an engine is allowed: `absolute` in units of length, `relative` to the size of the pair."""
 
     absolute: float = 0.0
-    relative: float = 1e-12
+    relative: float = 1e-6
 
     def of(self, size: float) -> float:
         return max(self.absolute, self.relative * size)
@@ -49,13 +49,19 @@ class Adapter:
     options: ClassVar[dict[str, str]] = {"default": ""}
     """What `default` and, if the engine has options, `careful` mean."""
     tolerance: ClassVar[Tolerance] = Tolerance()
-    """What the engine documents; if nothing, 1e-12 of the size in double precision, 1e-6 in single."""
+    """What the engine documents; if nothing, at least 1e-6 of the size."""
     answers: ClassVar[tuple[str, ...]] = ("distance", "depth", "points", "normal")
     """What the engine can answer. A call that gives less has no answer."""
     code: ClassVar[str] = ""
     """Three lines of the engine's own code that ask a case. {a} and {b} stand for the points, {fa} and {fb} for the
     triangles, {ta}, {qa}, {ra}, {tb}, {qb} and {rb} for positions, quaternions x y z w, and rotation matrices,
     {careful} for one of the two texts below."""
+    program: ClassVar[list[str] | None] = None
+    """A program that answers files of cases itself, in the protocol of `tests/CASES.md`, instead of the methods below.
+    `careful_program` holds its further options if it shall be careful. It is asked in the world only."""
+    careful_program: ClassVar[list[str]] = []
+    version: ClassVar[str | None] = None
+    """The version, if `package` is no package of Python."""
     default_code: ClassVar[str] = ""
     careful_code: ClassVar[str] = ""
 
@@ -114,6 +120,8 @@ def names() -> list[str]:
 
 def version(engine: type[Adapter]) -> str:
     """Returns the version of the engine's package."""
+    if engine.version is not None:
+        return engine.version
     try:
         return importlib.metadata.version(engine.package)
     except importlib.metadata.PackageNotFoundError:

@@ -8,15 +8,17 @@ import time
 from pathlib import Path
 
 START = 180.0
-"""Seconds that a program may take to its first answer: imports and compilers."""
+"""Seconds that a program may take to its first answer (imports and compilers), and after a restart to its first line,
+which may be a header."""
 
 
-def count(part: Path) -> int:
-    """Returns the number of answers in a file; header lines start with #."""
+def count(part: Path) -> tuple[int, int]:
+    """Returns the numbers of answers and of lines in a file; header lines start with #."""
     if not part.exists():
-        return 0
-    with open(part) as lines:
-        return sum(1 for x in lines if x.endswith("\n") and not x.startswith("#"))
+        return 0, 0
+    with open(part) as text:
+        lines = [x for x in text if x.endswith("\n")]
+    return sum(1 for x in lines if not x.startswith("#")), len(lines)
 
 
 def run(command: list[str], file: Path, part: Path, numbers: list[int], limit: float) -> None:
@@ -25,24 +27,26 @@ def run(command: list[str], file: Path, part: Path, numbers: list[int], limit: f
     `limit` is the time in seconds within which the next answer must come.
     """
     part.unlink(missing_ok=True)
-    while (done := count(part)) < len(numbers):
+    while (done := count(part)[0]) < len(numbers):
         log = open(f"{part}.log", "a")
         environment = {**os.environ, "PYTHONWARNINGS": "ignore"}
         process = subprocess.Popen(
             [*command, str(file), str(part), str(done)], stdout=subprocess.DEVNULL, stderr=log, env=environment
         )
-        last, since, allowed, why = done, time.monotonic(), START, None
+        last, since, allowed, why = count(part)[1], time.monotonic(), START, None
         while process.poll() is None:
             time.sleep(0.05)
-            if (now := count(part)) > last:
-                last, since, allowed = now, time.monotonic(), limit
+            answers, lines = count(part)
+            if lines > last:
+                last, since = lines, time.monotonic()
+                allowed = limit if answers else START
             if time.monotonic() - since > allowed:
                 process.kill()
                 process.wait()
                 why = "hang"
                 break
         log.close()
-        reached = count(part)
+        reached = count(part)[0]
         if reached < len(numbers):
             if why is None and process.returncode == 0:
                 raise SystemExit(f"{command[0]} answered {reached} of {len(numbers)} cases and ended")

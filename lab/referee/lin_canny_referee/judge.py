@@ -48,6 +48,12 @@ def parse(part: Path) -> dict[int, Given]:
     return answers
 
 
+def witnesses_are_local(part: Path) -> bool:
+    """Returns whether a program gives each witness point in its body's frame: it says so in a header line."""
+    with open(part) as lines:
+        return any(x.split() == ["#", "witness", "local"] for x in lines if x.startswith("#"))
+
+
 @dataclass
 class Tally:
     """Counts of one family."""
@@ -99,8 +105,10 @@ def rotation(q: list[float]) -> np.ndarray:
 class Judge:
     """Judges the answers of one engine with one set of options."""
 
-    def __init__(self, engine: type[Adapter], shapes: dict[int, Shape], in_frame_of_a: bool) -> None:
-        self.engine, self.shapes, self.in_frame_of_a = engine, shapes, in_frame_of_a
+    def __init__(
+        self, engine: type[Adapter], shapes: dict[int, Shape], in_frame_of_a: bool, is_local: bool = False
+    ) -> None:
+        self.engine, self.shapes, self.in_frame_of_a, self.is_local = engine, shapes, in_frame_of_a, is_local
         self.planes: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
     def judge(self, case: Case, given: Given | None) -> tuple[Tally, float]:
@@ -157,6 +165,9 @@ class Judge:
         slack = allowed + ulp * float(max(np.abs(ta).max(), np.abs(tb).max(), case.size))
         if given.point_a is not None and given.point_b is not None:
             a, b = np.array(given.point_a, REAL), np.array(given.point_b, REAL)
+            if self.is_local:
+                a, b = ra @ a + ta, rb @ b + tb
+                given = given._replace(point_a=a.astype(float).tolist(), point_b=b.astype(float).tolist())
             off = max(self.outside(case.a, ra.T @ (a - ta)), self.outside(case.b, rb.T @ (b - tb)))
             if not off <= slack:  # Planes of a needle are known exactly or not at all.
                 bodies = ((case.a, qa, ta, given.point_a), (case.b, qb, tb, given.point_b))

@@ -13,7 +13,8 @@ import statistics
 from .cases import belongs
 
 FAILURES = ("wrong", "no_answer", "nan", "crashed", "timeout")
-WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 760, 420, 70, 50, 34, 160
+WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 760, 420, 70, 50, 34, 220
+LINE = 18
 TIMES, ERRORS = (2, 7), (-17, 1)
 """Powers of ten: nanoseconds, and errors relative to L."""
 
@@ -85,18 +86,17 @@ def picture(rows: list[Row]) -> str:
         out.append(f'<text x="{LEFT - 8}" y="{at + 4:.0f}" text-anchor="end">{label}</text>')
     middle = (LEFT + WIDTH - RIGHT) / 2
     out.append(f'<text x="{middle:.0f}" y="{HEIGHT - 10}" text-anchor="middle">median time of a query, from Python</text>')
-    taken: list[tuple[float, float]] = []
-    for r in sorted((r for r in rows if not math.isnan(r.worst)), key=lambda r: y(r.worst)):
+    # Names stand in a column beside the dots, in the order of the errors, a line from each to its dot.
+    drawn = sorted((r for r in rows if not math.isnan(r.worst)), key=lambda r: (y(r.worst), -r.nanoseconds))
+    lowest = TOP - LINE
+    for r in drawn:
+        lowest = at = max(lowest + LINE, y(r.worst))
+        colour = "#0a7d32" if r.engine == "lin_canny" else "#b33"
         px, py = x(r.nanoseconds), y(r.worst)
-        ours = r.engine == "lin_canny"
-        colour = "#0a7d32" if ours else "#b33"
-        at = py + 4
-        while any(abs(at - ty) < 15 and abs(px - tx) < 150 for tx, ty in taken):
-            at += 15
-        taken.append((px, at))
+        out.append(f'<path d="M{px:.1f} {py:.1f}L{WIDTH - RIGHT + 6} {at:.1f}" stroke="{colour}" opacity="0.35"/>')
         out.append(f'<circle cx="{px:.1f}" cy="{py:.1f}" r="6" fill="{colour}"/>')
-        failed = f"{r.total} of {r.cases:,} failed" if r.total else f"none of {r.cases:,} failed"
-        out.append(f'<text x="{px + 10:.0f}" y="{at:.0f}" fill="{colour}">{r.engine}: {failed}</text>')
+        failed = f"{r.total if r.total else 'none'} of {r.cases:,} failed"
+        out.append(f'<text x="{WIDTH - RIGHT + 10}" y="{at + 4:.0f}" fill="{colour}">{r.engine}: {failed}</text>')
     return "\n".join([*out, "</svg>", ""])
 
 

@@ -63,6 +63,8 @@ def work(engine: str, options: str, file: str, part: str, start: int) -> None:
         def put(text: str) -> None:
             print(text, file=out, flush=True)
 
+        put("# witness world")  # a header line: the engine is loaded
+
         def flush() -> None:
             for (number, k, *_), answer in zip(held, asked.batch([h[2:] for h in held]) if held else []):
                 put(line(number, answer, k))

@@ -1,21 +1,22 @@
 //! Answers a file of cases:
-//! `grade [--level walk|certified|exact] [--shapes hull|mesh] [--cold] FILE PART START`.
+//! `grade [--level walk|certified|exact|parry] [--shapes hull|mesh] [--cold] FILE PART START`.
 //!
 //! `tests/CASES.md` defines the format of both files. Each case of FILE from number START on gets a
-//! line in PART. Each line is flushed, so a driver can restart the program behind a case that
-//! crashes it. The tracker is kept along the frames of one motion (unless `--cold`). Witnesses are
-//! in each body's frame.
+//! line at the end of PART. Each line is flushed, so a driver can restart the program behind a case
+//! that crashes it. The tracker is kept along the frames of one motion (unless `--cold`). Witnesses
+//! are in each body's frame; those of parry are in the world.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::fs::File;
+use std::fs::OpenOptions;
 use std::io::Write as _;
 use std::time::Instant;
 
 use clap::{Parser, ValueEnum};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{ContactState, ConvexPolyhedron, RelativePose, Tracker};
-use truth::suite::{Case, Line, Reader};
+use truth::parry;
+use truth::suite::{Answer, Case, Line, Reader};
 
 /// The level of accuracy that answers.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -23,6 +24,8 @@ enum Accuracy {
     Walk,
     Certified,
     Exact,
+    /// parry3d-f64, for comparison; always cold
+    Parry,
 }
 
 /// How bodies are built: from the vertices alone, or with the given faces.
@@ -63,6 +66,52 @@ fn pose(p: &truth::Pose) -> Isometry3<f64> {
         UnitQuaternion::new_normalize(q)
     };
     Isometry3::from_parts(Translation3::new(p.t[0], p.t[1], p.t[2]), q)
+}
+
+/// A body of the engine that answers.
+enum Body {
+    Ours(Box<ConvexPolyhedron>),
+    Parry(Box<parry::Hull>),
+}
+
+/// Returns the body in the form of the engine that answers.
+fn built(shape: &truth::shapes::Shape, o: &Options) -> Result<Body, Box<dyn std::error::Error>> {
+    if o.level != Accuracy::Parry {
+        return Ok(Body::Ours(Box::new(body(shape, o.shapes == Shapes::Mesh)?)));
+    }
+    let hull = match o.shapes {
+        _ if shape.faces.is_empty() => None, // it has no flat bodies
+        Shapes::Hull => parry::hull(&shape.points),
+        Shapes::Mesh => parry::mesh(&shape.points, &shape.faces),
+    };
+    Ok(Body::Parry(Box::new(hull.ok_or("refused")?)))
+}
+
+/// Returns the line of parry's contact, at any distance.
+fn answer_of_parry(a: &parry::Hull, b: &parry::Hull, case: &Case) -> String {
+    let unit = |p: &truth::Pose| truth::Pose {
+        q: truth::pose::unit_quat(p.q),
+        t: p.t,
+    };
+    let (pa, pb) = (parry::pose(&unit(&case.pose_a)), parry::pose(&unit(&case.pose_b)));
+    let began = Instant::now();
+    let found = parry::contact(a, &pa, b, &pb, f64::MAX);
+    let nanoseconds = began.elapsed().as_nanos() as u64;
+    let status = match &found {
+        None => "none",
+        Some(c) if c.dist > 0.0 => "sep",
+        Some(c) if c.dist < 0.0 => "pen",
+        Some(_) => "touch",
+    };
+    let answer = Answer {
+        id: case.id,
+        status,
+        distance: found.as_ref().map(|c| c.dist),
+        witnesses: found.as_ref().map(|c| (c.point1.into(), c.point2.into())),
+        normal: found.as_ref().map(|c| c.normal1.into()),
+        nanoseconds,
+    };
+    format!("{answer}\n")
 }
 
 fn body(shape: &truth::shapes::Shape, mesh: bool) -> Result<ConvexPolyhedron, Box<dyn std::error::Error>> {
@@ -114,6 +163,7 @@ fn answer(
             let o = tracker.closest_exact(a, b, &relative);
             (o.state, o.distance, o.point_on_a, o.point_on_b, o.normal, o.solver)
         }
+        Accuracy::Parry => unreachable!("another function answers"),
     };
     let ns = began.elapsed().as_nanos();
     layers.count(&case.family, state, layer as usize);
@@ -168,25 +218,27 @@ impl Layers {
 }
 
 fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
-    let mut part = File::create(&o.part)?;
-    let level = match o.level {
-        Accuracy::Walk => "walk",
-        Accuracy::Certified => "certified",
-        Accuracy::Exact => "exact",
+    let mut part = OpenOptions::new().create(true).append(true).open(&o.part)?;
+    let engine = match o.level {
+        Accuracy::Walk => "lin-canny walk",
+        Accuracy::Certified => "lin-canny certified",
+        Accuracy::Exact => "lin-canny exact",
+        Accuracy::Parry => "parry3d-f64",
     };
     // The walk alone computes no depth.
     let signed = if o.level == Accuracy::Walk { "no" } else { "yes" };
+    let frame = if o.level == Accuracy::Parry { "world" } else { "local" };
     writeln!(
         part,
-        "# engine lin-canny {level}\n# signed {signed}\n# witness local\n# normal yes\n# distance yes"
+        "# engine {engine}\n# signed {signed}\n# witness {frame}\n# normal yes\n# distance yes"
     )?;
-    let mut bodies: HashMap<usize, Option<ConvexPolyhedron>> = HashMap::new();
+    let mut bodies: HashMap<usize, Option<Body>> = HashMap::new();
     let (mut tracker, mut sequence, mut layers, mut seen) = (Tracker::new(), None, Layers::default(), 0);
     for line in Reader::open(&o.file)? {
         match line? {
             Line::Header(_) => {}
             Line::Shape(s) => {
-                let built = body(&s.shape, o.shapes == Shapes::Mesh)
+                let built = built(&s.shape, o)
                     .inspect_err(|e| eprintln!("shape {}: {e}", s.id))
                     .ok();
                 bodies.insert(s.id, built);
@@ -205,14 +257,19 @@ fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
                     bodies.get(&case.b).and_then(Option::as_ref),
                 );
                 let text = match (a, b) {
-                    (Some(a), Some(b)) => answer(&mut tracker, o.level, a, b, &case, &mut layers)?,
+                    (Some(Body::Ours(a)), Some(Body::Ours(b))) => {
+                        answer(&mut tracker, o.level, a, b, &case, &mut layers)?
+                    }
+                    (Some(Body::Parry(a)), Some(Body::Parry(b))) => answer_of_parry(a, b, &case),
                     _ => format!("{} noshape - - - - - - - - - - -\n", case.id),
                 };
                 part.write_all(text.as_bytes())?;
             }
         }
     }
-    layers.print();
+    if o.level != Accuracy::Parry {
+        layers.print();
+    }
     Ok(())
 }
 

@@ -4,13 +4,14 @@ import time
 
 import lin_canny as lc
 
-from ..adapter import Adapter, Answer
+from ..adapter import Adapter, Answer, Tolerance
 
 STATES = {"separated": "sep", "touching": "touch", "overlapping": "pen"}
 
 
 class Engine(Adapter):
     package = "lin-canny"
+    tolerance = Tolerance(0.0, 1e-12)
     options = {"default": "a new tracker for each case"}
     code = """import lin_canny as lc
 a, b = lc.Geometry.hull({a}), lc.Geometry.hull({b})
