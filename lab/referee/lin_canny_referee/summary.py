@@ -44,7 +44,7 @@ def best(rows: list[dict[str, str]], suite: str) -> list[Row]:
     for row in map(Row, groups.values()):
         if row.engine not in found or (row.total, row.wrong) < (found[row.engine].total, found[row.engine].wrong):
             found[row.engine] = row
-    return sorted(found.values(), key=lambda r: (r.total, r.wrong))
+    return sorted(found.values(), key=lambda r: (r.total, r.wrong, r.worst))
 
 
 def table(rows: list[Row]) -> str:
@@ -85,7 +85,7 @@ def picture(rows: list[Row]) -> str:
         out.append(f'<path d="M{LEFT} {at:.0f}H{WIDTH - RIGHT}" stroke="#ddd"/>')
         out.append(f'<text x="{LEFT - 8}" y="{at + 4:.0f}" text-anchor="end">{label}</text>')
     middle = (LEFT + WIDTH - RIGHT) / 2
-    out.append(f'<text x="{middle:.0f}" y="{HEIGHT - 10}" text-anchor="middle">median time of a query, from Python</text>')
+    out.append(f'<text x="{middle:.0f}" y="{HEIGHT - 10}" text-anchor="middle">median time of a query</text>')
     # Names stand in a column beside the dots, in the order of the errors, a line from each to its dot.
     drawn = sorted((r for r in rows if not math.isnan(r.worst)), key=lambda r: (y(r.worst), -r.nanoseconds))
     lowest = TOP - LINE
