@@ -93,6 +93,7 @@
 //! | question | call | answer |
 //! |---|---|---|
 //! | Which of many bodies overlap, come near or meet? What is the closest pair of two groups? | [`scene::Scene`] | after `set_queries`: events, impacts and results |
+//! | Which parts of a model clash, how deep, and which gaps are too small? | `find` of the crate `lin-canny-clash` | a row for each pair: kind, gap, depth, volume and point; flush parts touch and do not clash |
 //! | Which boxes overlap? | [`broad::SweepAndPrune`] | pairs, events, stable ids |
 //!
 //! **Bodies and poses**
