@@ -109,10 +109,7 @@ fn random_case(rng: &mut Rng, k: usize, by: f64) -> Case {
             let mut parts: Vec<_> = (0..1 + rng.below(6)).map(|_| convex(rng)).collect();
             if rng.chance(0.7) {
                 for part in &mut parts {
-                    part.pose = Pose {
-                        q: rng.quat(),
-                        t: rng.unit().map(|x| x * by * 2.0),
-                    };
+                    part.pose = Pose::new(rng.quat(), rng.unit().map(|x| x * by * 2.0));
                 }
             }
             let piece = |part: &Part| {
@@ -215,14 +212,16 @@ fn judge(seed: u64, count: usize) {
         let n = rng.unit();
         let space = HalfSpace::new(Vector3::from(n) * 3.0, 3.0 * by * rng.range(-2.0, 2.0)).expect("a half-space");
         let far = by * *rng.pick(&[0.0, 1.0, 1.0, 1e6]);
-        let random_pose = |rng: &mut Rng| Pose {
-            q: *rng.pick(&[
-                rng.clone().quat(),
-                [0.0, 0.0, 0.0, 1.0],
-                [0.0, 1.0, 0.0, 0.0],
-                [0.5, 0.5, -0.5, 0.5],
-            ]),
-            t: rng.unit().map(|x| x * far),
+        let random_pose = |rng: &mut Rng| {
+            Pose::new(
+                *rng.pick(&[
+                    rng.clone().quat(),
+                    [0.0, 0.0, 0.0, 1.0],
+                    [0.0, 1.0, 0.0, 0.0],
+                    [0.5, 0.5, -0.5, 0.5],
+                ]),
+                rng.unit().map(|x| x * far),
+            )
         };
         let of_space = random_pose(&mut rng);
         let mut of_body = random_pose(&mut rng);
@@ -368,10 +367,7 @@ fn bodies_that_lie_on_the_plane_touch_it() {
             [0.5, 0.5, 0.5, 0.5],
             [-0.5, 0.5, 0.5, 0.5],
         ];
-        let pose = |rng: &mut Rng| Pose {
-            q: *rng.pick(&turns),
-            t: corner(rng),
-        };
+        let pose = |rng: &mut Rng| Pose::new(*rng.pick(&turns), corner(rng));
         let (of_space, mut of_body) = (pose(&mut rng), pose(&mut rng));
         let axis = rng.below(3);
         let mut normal = Vector3::zeros();
@@ -408,10 +404,7 @@ fn answers_scale_by_powers_of_two() {
                 let mut rng = Rng::of_case(7004, k);
                 let case = random_case(&mut rng, [0, 1, 2, 3][k as usize % 4], by);
                 let space = HalfSpace::new(Vector3::from(rng.unit()), by * rng.range(-1.0, 1.0)).expect("one");
-                let pose = Pose {
-                    q: rng.quat(),
-                    t: rng.unit().map(|x| x * by),
-                };
+                let pose = Pose::new(rng.quat(), rng.unit().map(|x| x * by));
                 let pose = RelativePose::from_isometry(&pose.isometry()).expect("a pose");
                 let found = PairTracker::new().closest(&space, &case.geometry, &pose);
                 [found.distance, found.lower, found.upper].map(|x| x / by)
@@ -449,10 +442,7 @@ fn bezier_surfaces_have_an_interval() {
         let patch = patch.expect("a patch");
         let surface = BezierSurface::new(vec![patch.clone()]).expect("a surface");
         let space = HalfSpace::new(Vector3::from(rng.unit()), rng.range(-2.0, 2.0)).expect("a half-space");
-        let pose = Pose {
-            q: rng.quat(),
-            t: rng.unit(),
-        };
+        let pose = Pose::new(rng.quat(), rng.unit());
         let at = RelativePose::from_isometry(&pose.isometry()).expect("a pose");
         let narrow = QueryOptions::default().width(1e-10);
         let mut tracker = PairTracker::new();
@@ -554,14 +544,8 @@ fn judge_casts(seed: u64, count: usize) {
                 Vector3::from(rng.unit()) * rng.range(0.0, most)
             }
         };
-        let of_space = Pose {
-            q: rng.quat(),
-            t: rng.unit().map(|x| x * by),
-        };
-        let mut of_body = Pose {
-            q: rng.quat(),
-            t: rng.unit().map(|x| x * by),
-        };
+        let of_space = Pose::new(rng.quat(), rng.unit().map(|x| x * by));
+        let mut of_body = Pose::new(rng.quat(), rng.unit().map(|x| x * by));
         let out = of_space.rotate(space.normal().into_inner().into());
         let before = truth_of(&space, &of_space, &case, &of_body);
         let gap = by * rng.log_range(1e-3, 10.0);
@@ -589,10 +573,7 @@ fn judge_casts(seed: u64, count: usize) {
             let of = |motion: &Steady| {
                 let p = motion.pose(time);
                 let q = p.rotation.coords;
-                Pose {
-                    q: [q.x, q.y, q.z, q.w],
-                    t: p.translation.vector.into(),
-                }
+                Pose::new([q.x, q.y, q.z, q.w], p.translation.vector.into())
             };
             truth_of(&space, &of(&first), &case, &of(&second))
         };
@@ -735,10 +716,7 @@ fn rays_meet_the_plane() {
     for _ in 0..200 {
         let by = *rng.pick(&[1.0, 1e-90, 1e90]);
         let space = HalfSpace::new(Vector3::from(rng.unit()), by * rng.range(-1.0, 1.0)).unwrap();
-        let pose = Pose {
-            q: rng.quat(),
-            t: rng.unit().map(|x| x * by),
-        };
+        let pose = Pose::new(rng.quat(), rng.unit().map(|x| x * by));
         let origin = Point3::from(rng.unit().map(|x| x * by * 3.0));
         let ray = Ray::new(origin, Vector3::from(rng.unit())).unwrap();
         let floor = Geometry::from(space);

@@ -84,10 +84,7 @@ fn check(case: &Case, faces: usize) -> f64 {
             corners_of(&body),
             body.faces().map(|f| rim(&body, f)).collect::<Vec<_>>(),
         );
-        let body = Body {
-            points: &points,
-            faces: &rims,
-        };
+        let body = Body::new(&points, &rims);
         let far = |p: &Point| distance_to_body(*p, body, &Pose::IDENTITY) - case.radius;
         let worst = corners_of(hull).iter().map(far).fold(0.0, f64::max);
         assert!(worst <= *gap, "{told}: {worst:e} {gap:e}");
@@ -109,10 +106,7 @@ fn rim(body: &ConvexPolyhedron, face: lin_canny::FaceId) -> Face {
 }
 
 fn turned(rng: &mut Rng) -> Pose {
-    Pose {
-        q: rng.quat(),
-        t: [0.0; 3],
-    }
+    Pose::new(rng.quat(), [0.0; 3])
 }
 
 /// A random body of one of twelve kinds, at any scale and some of them far from the origin.

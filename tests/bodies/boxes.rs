@@ -54,10 +54,7 @@ fn boxes_hold_the_body_and_are_tight() {
         let radius = body.bounding_ball().1;
         let mut hint = BoxHint::default();
         for frame in 0..12 {
-            let pose = Pose {
-                q: rng.quat(),
-                t: rng.unit().map(|c| c * radius * 10f64.powi(frame % 4)),
-            };
+            let pose = Pose::new(rng.quat(), rng.unit().map(|c| c * radius * 10f64.powi(frame % 4)));
             let (low, high) = body.aabb_at(&pose.isometry(), &mut hint);
             assert!(holds(&body, &pose, low, high), "{} {pose:?}", shape.name);
             let reach = radius + truth::pose::norm(pose.t) + body.bounding_ball().0.coords.norm();
@@ -93,7 +90,7 @@ fn boxes_hold_bodies_far_from_their_own_origin() {
         let axis = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]][k % 2];
         let tilt = truth::pose::quat(axis, rng.range(-3.0, 3.0));
         let q = truth::pose::quat_mul(tilt, truth::pose::quat([0.0, 0.0, 1.0], rng.range(-3.0, 3.0)));
-        let pose = Pose { q, t: rng.unit() };
+        let pose = Pose::new(q, rng.unit());
         let (low, high) = body.aabb_at(&pose.isometry(), &mut BoxHint::default());
         assert!(holds(&body, &pose, low, high), "{k}: {away:e} {pose:?}");
         let (low, high) = body.cube_at(&pose.isometry());
@@ -110,11 +107,7 @@ fn a_stale_hint_changes_no_bit() {
     let mut foreign = BoxHint::default();
     for k in 0..200 {
         let (_, body) = &all[k % all.len()];
-        let pose = Pose {
-            q: rng.quat(),
-            t: rng.unit(),
-        }
-        .isometry();
+        let pose = Pose::new(rng.quat(), rng.unit()).isometry();
         assert_eq!(
             body.aabb_at(&pose, &mut foreign),
             body.aabb_at(&pose, &mut BoxHint::default())

@@ -23,10 +23,10 @@ struct Turning {
 
 impl Turning {
     fn at(&self, t: f64) -> Pose {
-        Pose {
-            q: quat(self.axis, self.angle * t),
-            t: [0, 1, 2].map(|k| self.from[k] + t * (self.to[k] - self.from[k])),
-        }
+        Pose::new(
+            quat(self.axis, self.angle * t),
+            [0, 1, 2].map(|k| self.from[k] + t * (self.to[k] - self.from[k])),
+        )
     }
 
     fn moves<'a>(&self, m: &'a Mesh) -> MovingMesh<'a> {
@@ -181,10 +181,7 @@ fn between([begin, end]: [&Soup; 2], t: f64) -> Soup {
         let (p, q) = (begin.points[v], end.points[v]);
         [0, 1, 2].map(|i| (1.0 - t) * p[i] + t * q[i])
     });
-    Soup {
-        points: points.collect(),
-        triangles: begin.triangles.clone(),
-    }
+    Soup::new(points.collect(), begin.triangles.clone())
 }
 
 #[derive(Debug, Default)]

@@ -23,10 +23,7 @@ fn without(soup: &Soup, gone: impl Fn(&[Point; 3]) -> bool) -> Soup {
         .triangles
         .iter()
         .filter(|t| !gone(&t.map(|v| soup.points[v as usize])));
-    Soup {
-        points: soup.points.clone(),
-        triangles: triangles.copied().collect(),
-    }
+    Soup::new(soup.points.clone(), triangles.copied().collect())
 }
 
 /// Both sides of a slot close and slide into each other: the edges of the boundary are separated
@@ -97,10 +94,7 @@ fn two_sheets_over_each_other_are_no_height_field() {
                 .copied()
                 .chain(small.points.iter().map(|p| add(*p, [0.03, 0.01, z])));
             let more = small.triangles.iter().map(|t| t.map(|v| v + first));
-            Soup {
-                points: points.collect(),
-                triangles: large.triangles.iter().copied().chain(more).collect(),
-            }
+            Soup::new(points.collect(), large.triangles.iter().copied().chain(more).collect())
         };
         met += u32::from(meets(&at(from), &at(to), &format!("{k}")));
     }
@@ -135,16 +129,18 @@ fn a_disc_that_turns_over_between_is_no_height_field() {
         let share = 0.5 + 0.1 * f64::from(step);
         // The innermost ring is narrow at the start, so that it turns over in one direction before
         // the other.
-        let disc = |share: f64, narrow: f64| Soup {
-            points: std::iter::once([0.0; 3])
-                .chain((1..=RINGS).flat_map(|ring| {
-                    (0..SIDES).map(move |k| {
-                        let [x, y, z] = place(ring, k, share);
-                        if ring == 1 { [x, y * narrow, z] } else { [x, y, z] }
-                    })
-                }))
-                .collect(),
-            triangles: triangles.clone(),
+        let disc = |share: f64, narrow: f64| {
+            Soup::new(
+                std::iter::once([0.0; 3])
+                    .chain((1..=RINGS).flat_map(|ring| {
+                        (0..SIDES).map(move |k| {
+                            let [x, y, z] = place(ring, k, share);
+                            if ring == 1 { [x, y * narrow, z] } else { [x, y, z] }
+                        })
+                    }))
+                    .collect(),
+                triangles.clone(),
+            )
         };
         met += u32::from(meets(&disc(0.0, 0.4), &disc(share, 1.0), &format!("{share}")));
     }

@@ -18,10 +18,10 @@ const WIDTH: f64 = 1e-6;
 fn ends(moving: &Moving, rng: &mut Rng) -> Result<[Mesh; 2], VertexError> {
     // Built with all vertices at different positions, so that none are merged and no triangle is
     // removed.
-    let rest = Soup {
-        points: moving.paths.iter().map(|_| rng.unit()).collect(),
-        triangles: moving.triangles.clone(),
-    };
+    let rest = Soup::new(
+        moving.paths.iter().map(|_| rng.unit()).collect(),
+        moving.triangles.clone(),
+    );
     let mut m = mesh(&rest);
     let places = |k: usize| moving.paths.iter().map(|p| Point3::from(p[k])).collect::<Vec<_>>();
     m.set_vertices(&places(0))?;

@@ -26,7 +26,7 @@ pub(crate) fn sheet(n: u32, side: f64) -> Soup {
         [[a, b, c], [a, c, d]]
     };
     let triangles = (0..n).flat_map(|i| (0..n).flat_map(move |j| square(i, j))).collect();
-    Soup { points, triangles }
+    Soup::new(points, triangles)
 }
 
 pub(crate) fn vertices(soup: &Soup) -> Vec<Point3<f64>> {
@@ -122,7 +122,7 @@ pub(crate) fn moved(way: &str, rng: &mut Rng, rest: &Soup) -> [Soup; 2] {
             let mut shaken = |size: f64| {
                 let points = rest.points.iter().map(|p| add(*p, scale(rng.unit(), size))).collect();
                 let triangles = rest.triangles.clone();
-                Soup { points, triangles }
+                Soup::new(points, triangles)
             };
             let lifted = shaken(0.05).map(|p| add(p, [0.0, 0.0, high]));
             [lifted, shaken(0.2)]
@@ -225,10 +225,7 @@ fn strips_that_wind_over_themselves_meet_when_all_pairs_of_triangles_say() {
                     .flat_map(|i| [place(i, 0.0, pitch), place(i, 0.4, pitch)])
                     .collect();
                 let square = |i: u32| [[2 * i, 2 * i + 1, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 2]];
-                Soup {
-                    points,
-                    triangles: (0..n).flat_map(square).collect(),
-                }
+                Soup::new(points, (0..n).flat_map(square).collect())
             };
             let (begin, end) = (at((from, turns)), at((to, turns + more)));
             let m = ends(&at((0.5, turns)), [&begin, &end]);
@@ -245,9 +242,11 @@ fn strips_that_wind_over_themselves_meet_when_all_pairs_of_triangles_say() {
 #[test]
 fn a_tree_may_be_made_anew_within_a_frame() {
     let rest = sheet(12, 2.0);
-    let at = |z: &dyn Fn(&Point) -> f64| Soup {
-        points: rest.points.iter().map(|p| [p[0], p[1], z(p)]).collect(),
-        triangles: rest.triangles.clone(),
+    let at = |z: &dyn Fn(&Point) -> f64| {
+        Soup::new(
+            rest.points.iter().map(|p| [p[0], p[1], z(p)]).collect(),
+            rest.triangles.clone(),
+        )
     };
     let floor = mesh(&at(&|p| -0.5 + 0.2 * p[0] * p[1]));
     let floor = MovingMesh::new(&floor, &floor).unwrap();

@@ -22,10 +22,7 @@ fn core(shape: &Shape) -> (Shape, Kind) {
 fn place(pose: &RelativePose) -> Place {
     let (_, b) = pose.poses();
     let q = b.rotation.coords;
-    Place {
-        q: [q.x, q.y, q.z, q.w],
-        t: b.translation.vector.into(),
-    }
+    Place::new([q.x, q.y, q.z, q.w], b.translation.vector.into())
 }
 
 fn meet(o: &Outcome, p: &Outcome, line: &str) {

@@ -98,10 +98,7 @@ impl Mix {
 /// Returns a pose at which two shapes are `gap` apart, by moving B along the normal.
 fn at_gap(a: &Kind, b: &Kind, rng: &mut Rng, gap: f64) -> Place {
     let far = 3.0 * (a.radius() + b.radius());
-    let mut place = Place {
-        q: rng.quat(),
-        t: truth::pose::scale(rng.unit(), far),
-    };
+    let mut place = Place::new(rng.quat(), truth::pose::scale(rng.unit(), far));
     let (x, y) = (a.shape(), b.shape());
     for _ in 0..2 {
         let o = PairTracker::new().closest(&x, &y, &place.pose());

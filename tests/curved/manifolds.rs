@@ -24,10 +24,10 @@ fn lying() -> [f64; 4] {
 /// Returns `place` with noise of `size` in translation and rotation.
 fn trembled(place: &Place, size: f64, rng: &mut Rng) -> Place {
     let (turn, shift) = (truth::pose::quat(rng.unit(), size * rng.range(0.0, 1.0)), rng.in_ball());
-    Place {
-        q: truth::pose::unit_quat(truth::pose::quat_mul(turn, place.q)),
-        t: [0, 1, 2].map(|k| place.t[k] + size * shift[k]),
-    }
+    Place::new(
+        truth::pose::unit_quat(truth::pose::quat_mul(turn, place.q)),
+        [0, 1, 2].map(|k| place.t[k] + size * shift[k]),
+    )
 }
 
 /// Judges the properties of any contact.
@@ -89,10 +89,10 @@ fn contacts_at_rest_stand_still() {
         ] {
             // Rotated about z, so that no axis of the shape is an axis of the plate.
             let yaw = truth::pose::quat([0.0, 0.0, 1.0], 0.3);
-            let rest = Place {
-                q: truth::pose::unit_quat(truth::pose::quat_mul(yaw, q)),
-                t: [0.2, -0.3, 0.5 + height + gap],
-            };
+            let rest = Place::new(
+                truth::pose::unit_quat(truth::pose::quat_mul(yaw, q)),
+                [0.2, -0.3, 0.5 + height + gap],
+            );
             let mut options = ManifoldOptions::default().prediction(0.01);
             options.rebuild_motion = drift;
             let (a, b) = (floor.shape(), kind.shape());
@@ -131,7 +131,7 @@ fn caps_are_clipped_by_edges_and_by_caps() {
     options.max_points = 8;
     let contacts = |a: &Kind, t: [f64; 3]| {
         let q = truth::pose::quat([0.0, 0.0, 1.0], 0.1);
-        let place = Place { q, t };
+        let place = Place::new(q, t);
         let mut manifold = Manifold::new();
         PairTracker::new()
             .manifold(&a.shape(), &can.shape(), &place.pose(), &options, &mut manifold)
@@ -258,10 +258,10 @@ fn rounded_polyhedra_have_the_contacts_of_their_cores() {
     let (mut manifold, mut of_cores) = (Manifold::new(), Manifold::new());
     let mut seen = 0;
     for k in 0..400 {
-        let place = Place {
-            q: truth::pose::quat(rng.unit(), rng.log_range(1e-6, 0.02)),
-            t: [0.003 * f64::from(k), 0.1, 0.8 + 0.375 + rng.range(-0.01, 0.02)],
-        };
+        let place = Place::new(
+            truth::pose::quat(rng.unit(), rng.log_range(1e-6, 0.02)),
+            [0.003 * f64::from(k), 0.1, 0.8 + 0.375 + rng.range(-0.01, 0.02)],
+        );
         let pose = place.pose();
         pair.manifold(
             &a,
@@ -301,10 +301,7 @@ fn rounded_polyhedra_have_the_contacts_of_their_cores() {
     assert!(seen > 800, "{seen}");
     // Two capsules side by side: both ends of the overlap.
     let pill = Shape::capsule(1.0, 0.25).expect("a capsule");
-    let at = Place {
-        q: [0.0, 0.0, 0.0, 1.0],
-        t: [0.505, 0.0, 0.5],
-    };
+    let at = Place::new([0.0, 0.0, 0.0, 1.0], [0.505, 0.0, 0.5]);
     pair.manifold(
         &pill,
         &pill,

@@ -107,10 +107,7 @@ fn witnesses_of_overlaps_are_opposite() {
             ];
             let kinds = [&kinds[i as usize % 2], &kinds[1 - i as usize % 2]];
             let radii = *rng.pick(&[[0.0, 0.0], [0.0, 0.3], [0.2, 0.05]]);
-            let place = Place {
-                q: turn(&mut rng),
-                t: shift(kinds, &mut rng),
-            };
+            let place = Place::new(turn(&mut rng), shift(kinds, &mut rng));
             worst.take(kinds, radii, &place, &mut PairTracker::new());
         }
         println!("{first:12} {second:12} {worst:?}");
@@ -150,10 +147,7 @@ fn witnesses_of_a_capsule_along_the_axis_of_a_cylinder_are_opposite() {
     let mut worst = Worst::default();
     for _ in 0..2000 {
         let aside = truth::pose::scale(rng.unit(), rng.log_range(1e-9, 0.3));
-        let place = Place {
-            q: turn(&mut rng),
-            t: aside,
-        };
+        let place = Place::new(turn(&mut rng), aside);
         for (kinds, radii) in [([&can, &pill], [0.0, 0.3]), ([&pill, &can], [0.3, 0.0])] {
             worst.take(kinds, radii, &place, &mut PairTracker::new());
         }

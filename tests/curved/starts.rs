@@ -32,7 +32,7 @@ fn draw(first: &str, second: &str, rng: &mut Rng) -> ([Kind; 2], [Place; 2]) {
     let size = a.radius().min(b.radius());
     let gap = size * rng.range(-0.03, 0.03);
     let place = at_gap(&a, &b, rng, gap);
-    let mut next = Place { q: place.q, t: place.t };
+    let mut next = Place::new(place.q, place.t);
     next.q.iter_mut().for_each(|x| *x += 0.004 * rng.range(-1.0, 1.0));
     next.q = truth::pose::unit_quat(next.q);
     next.t
@@ -104,10 +104,7 @@ fn other_pairs_take_no_start() {
     let cube = Shape::cuboid(Vector3::repeat(0.5)).expect("a cuboid");
     let mut rng = Rng::new(2500);
     for _ in 0..50 {
-        let place = Place {
-            q: rng.quat(),
-            t: rng.unit().map(|x| 1.3 * x),
-        };
+        let place = Place::new(rng.quat(), rng.unit().map(|x| 1.3 * x));
         let cold = PairTracker::new().closest(&cube, &cube, &place.pose());
         let normal = Unit::new_normalize(Vector3::from(rng.unit()));
         let told = PairTracker::with_direction(&normal, &cube, &cube).closest(&cube, &cube, &place.pose());
@@ -145,7 +142,7 @@ fn local_depths_of_curved_shapes_part_them() {
                 continue;
             }
             let t = Vector3::from(next.t) - manifold.normal().into_inner() * manifold.lower();
-            let parted = Place { q: next.q, t: t.into() };
+            let parted = Place::new(next.q, t.into());
             let gap = PairTracker::new().closest(&x, &y, &parted.pose());
             assert!(gap.upper >= -1e-9 * size, "{gap:?} {}", manifold.lower());
             deep += 1;
@@ -178,10 +175,7 @@ fn normals_of_tracked_overlaps_prove_their_bounds() {
                 let turn = UnitQuaternion::from_scaled_axis(axis * (0.1 * f64::from(k)));
                 let [x, y, z, w] = place.q;
                 let q = (turn * UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z))).coords;
-                let place = Place {
-                    q: [q.x, q.y, q.z, q.w],
-                    t: place.t.map(|x| x * deep),
-                };
+                let place = Place::new([q.x, q.y, q.z, q.w], place.t.map(|x| x * deep));
                 let o = pair.closest(&shapes[0], &shapes[1], &place.pose());
                 let size = place.size(&kinds[0], &kinds[1]);
                 assert!((o.normal.norm() - 1.0).abs() <= 1e-15, "{kinds:?} {o:?}");

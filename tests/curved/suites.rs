@@ -101,10 +101,10 @@ fn a_ball_is_an_ellipsoid_and_rounding_is_free() {
     for k in 0..400 {
         let kind = Kind::random(KINDS[k % KINDS.len()], &mut rng, 5.0);
         let r = rng.log_range(0.01, 2.0);
-        let place = Place {
-            q: rng.quat(),
-            t: truth::pose::scale(rng.unit(), rng.range(0.2, 1.5) * (r + kind.radius())),
-        };
+        let place = Place::new(
+            rng.quat(),
+            truth::pose::scale(rng.unit(), rng.range(0.2, 1.5) * (r + kind.radius())),
+        );
         let other = kind.shape();
         let ball = Shape::ball(r).expect("a ball");
         let round = Shape::ellipsoid(Vector3::repeat(r)).expect("an ellipsoid");
@@ -170,10 +170,10 @@ fn flush_and_extreme_pairs_close() {
                 } else {
                     [0.0, 0.0, 0.0, 1.0]
                 };
-                let place = Place {
-                    q: truth::pose::unit_quat(truth::pose::quat_mul(truth::pose::quat(axis, tilt), up)),
-                    t: [rng.range(-0.8, 0.8), rng.range(-0.8, 0.8), height + gap + 3.0 * tilt],
-                };
+                let place = Place::new(
+                    truth::pose::unit_quat(truth::pose::quat_mul(truth::pose::quat(axis, tilt), up)),
+                    [rng.range(-0.8, 0.8), rng.range(-0.8, 0.8), height + gap + 3.0 * tilt],
+                );
                 let o = closest(&a.shape(), &b.shape(), &place);
                 mix.judge(a, b, &place, &o);
                 assert_eq!(o.state, ContactState::Separated, "{a:?} {b:?} {place:?} {o:?}");
@@ -227,10 +227,7 @@ fn stale_and_warm_trackers_agree_with_cold_ones() {
 fn scales_are_no_matter() {
     let mut rng = Rng::new(2195);
     for k in 0..60 {
-        let place = Place {
-            q: rng.quat(),
-            t: truth::pose::scale(rng.unit(), 4.0),
-        };
+        let place = Place::new(rng.quat(), truth::pose::scale(rng.unit(), 4.0));
         let shape = |s: f64| {
             let made = match k % 3 {
                 0 => Shape::ellipsoid(Vector3::new(1.0, 0.5, 0.25) * s),
@@ -306,10 +303,7 @@ fn affine_images_of_a_ball_are_ellipsoids() {
         let ball = Shape::ball(1.0).expect("a ball");
         let mapped = Kind::Hull(points.iter().map(|p| [0, 1, 2].map(|k| p[k] / axes[k])).collect());
         let (kind, ellipsoid) = (Kind::Hull(points), Kind::Ellipsoid(axes));
-        let at = Place {
-            q: [0.0, 0.0, 0.0, 1.0],
-            t: [0.0; 3],
-        };
+        let at = Place::new([0.0, 0.0, 0.0, 1.0], [0.0; 3]);
         let o = closest(&ellipsoid.shape(), &kind.shape(), &at);
         let p = closest(&ball, &mapped.shape(), &at);
         // A unit normal n of the mapped pair corresponds to n divided by the semi-axes for the

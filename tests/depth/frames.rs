@@ -160,10 +160,7 @@ fn a_foreign_surface_does_no_harm() {
     let mut pair = Tracker::new();
     for _ in 0..2000 {
         let (a, b) = (rng.pick(&bodies), rng.pick(&bodies));
-        let at = Pose {
-            q: rng.quat(),
-            t: scale(rng.unit(), rng.range(0.0, 2.0)),
-        };
+        let at = Pose::new(rng.quat(), scale(rng.unit(), rng.range(0.0, 2.0)));
         let frame = both(Pose::IDENTITY, at);
         let (o, cold) = (pair.closest(a, b, &support::relative(&frame)), closest(a, b, &frame));
         assert_eq!(o.state, cold.state);

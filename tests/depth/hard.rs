@@ -20,13 +20,7 @@ fn a_speck_on_the_corner_of_a_plate() {
     let speck = solids::cuboid(Vector3::new(3.5e-9, 2.2e-9, 1.4e-12)).expect("a box");
     let mut rng = Rng::new(17);
     for _ in 0..200 {
-        let frame = both(
-            Pose::IDENTITY,
-            Pose {
-                q: rng.quat(),
-                t: [0.0; 3],
-            },
-        );
+        let frame = both(Pose::IDENTITY, Pose::new(rng.quat(), [0.0; 3]));
         judge(&plate, &speck, &frame, "speck");
         judge(&speck, &plate, &frame.swapped(), "speck");
     }
@@ -82,8 +76,8 @@ fn bodies_thinner_than_rounding_have_a_depth() {
         let a = needle(&mut rng);
         let b = if rng.chance(0.7) { a.clone() } else { needle(&mut rng) };
         let q = rng.quat();
-        let t = Pose { q, t: [0.0; 3] }.rotate([rng.range(-0.9, 0.9), 0.0, 0.0]);
-        let frame = both(Pose { q, t: [0.0; 3] }, Pose { q, t });
+        let t = Pose::new(q, [0.0; 3]).rotate([rng.range(-0.9, 0.9), 0.0, 0.0]);
+        let frame = both(Pose::new(q, [0.0; 3]), Pose::new(q, t));
         let o = closest(&a, &b, &frame);
         if o.state == ContactState::Overlapping {
             judge_both(&a, &b, &frame, "needles");
@@ -159,13 +153,7 @@ fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
         let small = shapes::cone(200, 1.0, 0.4).stretched([1e-5; 3]);
         let large = shapes::cone(128, 1.0, 1.0).moved(&Pose::shift(rng.unit().map(|x| x * away)));
         let (a, b) = (support::body(&small), support::body(&large));
-        let mut frame = both(
-            Pose::IDENTITY,
-            Pose {
-                q: rng.quat(),
-                t: [0.0; 3],
-            },
-        );
+        let mut frame = both(Pose::IDENTITY, Pose::new(rng.quat(), [0.0; 3]));
         let middle = frame.b.apply(b.bounding_ball().0.into());
         frame.b.t = sub(rng.unit(), middle);
         for _ in 0..4 {

@@ -38,13 +38,10 @@ fn sinking(rng: &mut Rng, reach: f64, step: f64, frames: usize) -> Vec<Frame> {
     let (axis, way, q) = (rng.unit(), rng.unit(), rng.quat());
     let at = |k: usize| {
         let depth = reach * (0.9 - 0.8 * (k as f64 * step).sin().abs());
-        Frame {
-            a: Pose::IDENTITY,
-            b: Pose {
-                q: quat_mul(quat(axis, k as f64 * step), q),
-                t: scale(way, depth),
-            },
-        }
+        Frame::new(
+            Pose::IDENTITY,
+            Pose::new(quat_mul(quat(axis, k as f64 * step), q), scale(way, depth)),
+        )
     };
     (0..frames).map(at).collect()
 }

@@ -214,10 +214,7 @@ fn bodies_of_different_scales_are_answered() {
         support::body(&shapes::cube().stretched([1e-9; 3])),
         support::body(&shapes::cube().stretched([1e9; 3])),
     );
-    let inside = support::relative(&Frame {
-        a: Pose::IDENTITY,
-        b: Pose::shift(scale([1.0, 0.5, 0.25], 9e8)),
-    });
+    let inside = support::relative(&Frame::new(Pose::IDENTITY, Pose::shift(scale([1.0, 0.5, 0.25], 9e8))));
     let mut pair = Tracker::new();
     for _ in 0..3 {
         let o = pair.closest_with_local_depth(&large, &small, &inside);

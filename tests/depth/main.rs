@@ -17,7 +17,7 @@ use truth::support;
 use truth::{Body, Pose};
 
 fn both(a: Pose, b: Pose) -> Frame {
-    Frame { a, b }
+    Frame::new(a, b)
 }
 
 fn closest(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame) -> Outcome {
@@ -71,18 +71,9 @@ fn judge_both(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &
 
 /// Returns poses with many ties and zero volumes.
 fn hard_poses(rng: &mut Rng, radii: (f64, f64)) -> Vec<Frame> {
-    let turned = Pose {
-        q: rng.quat(),
-        t: scale(rng.unit(), 3.0),
-    };
-    let spun = Pose {
-        q: rng.quat(),
-        t: turned.t,
-    };
-    let near = |by: f64, rng: &mut Rng| Pose {
-        q: turned.q,
-        t: sub(turned.t, scale(rng.unit(), by)),
-    };
+    let turned = Pose::new(rng.quat(), scale(rng.unit(), 3.0));
+    let spun = Pose::new(rng.quat(), turned.t);
+    let near = |by: f64, rng: &mut Rng| Pose::new(turned.q, sub(turned.t, scale(rng.unit(), by)));
     let shift = [rng.int(-1, 1) as f64 * 0.5, rng.int(-1, 1) as f64 * 0.5, 0.0];
     vec![
         both(Pose::IDENTITY, Pose::IDENTITY),
@@ -98,7 +89,7 @@ fn hard_poses(rng: &mut Rng, radii: (f64, f64)) -> Vec<Frame> {
 fn pushed(frame: &Frame, o: &Outcome, by: f64) -> Frame {
     let n: [f64; 3] = frame.a.rotate(o.normal.into_inner().into());
     let t = sub(frame.b.t, scale(n, -by));
-    both(frame.a, Pose { q: frame.b.q, t })
+    both(frame.a, Pose::new(frame.b.q, t))
 }
 
 #[test]

@@ -49,12 +49,12 @@ pub(crate) fn pose(
         }
         _ => {
             let t = scale(rng.unit(), radii.0 + radii.1);
-            both(Pose::IDENTITY, Pose { q: rng.quat(), t })
+            both(Pose::IDENTITY, Pose::new(rng.quat(), t))
         }
     };
     let tilt = [0.0, 1e-12, 1e-7, 1e-3][rng.below(4)];
     let q = unit_quat(quat_mul(quat(rng.unit(), tilt), start.b.q));
-    let mut frame = both(start.a, Pose { q, t: start.b.t });
+    let mut frame = both(start.a, Pose::new(q, start.b.t));
     for _ in 0..8 {
         let o = Tracker::new().closest(a, b, &support::relative(&frame));
         if (o.distance + depth).abs() <= 0.01 * depth {
@@ -70,7 +70,7 @@ pub(crate) fn nudged(rng: &mut Rng, frame: &Frame, reach: f64) -> Frame {
     let by = rng.log_range(1e-9, 1e-2);
     let q = unit_quat(quat_mul(quat(rng.unit(), by), frame.b.q));
     let t = add(frame.b.t, scale(rng.unit(), by * reach * rng.uniform()));
-    both(frame.a, Pose { q, t })
+    both(frame.a, Pose::new(q, t))
 }
 
 struct Count {

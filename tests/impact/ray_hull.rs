@@ -131,7 +131,7 @@ fn casts_at_hulls_are_true_over_the_rationals() {
                     f64::INFINITY
                 };
                 let found = caster.cast(&body, &at, &ray, length).expect("a ray");
-                let expected = inside(&planes(&body, &Pose { q: turn, t: shift }), &ray);
+                let expected = inside(&planes(&body, &Pose::new(turn, shift)), &ray);
                 let expected = expected
                     .map(|span| span.0)
                     .filter(|from| length.is_infinite() || *from <= exact(length));

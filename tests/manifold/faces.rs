@@ -19,10 +19,7 @@ fn laid(a: &ConvexPolyhedron, b: &ConvexPolyhedron, distance: f64, tilt: f64, rn
     let aside = cross(face_a.1, rng.unit());
     f.b.t = add(f.b.t, scale(aside, 0.8 * rng.uniform() * (ra + rb)));
     f.b.q = unit_quat(quat_mul(quat(unit(cross(face_a.1, rng.unit())), tilt), f.b.q));
-    f.moved(&Pose {
-        q: rng.quat(),
-        t: scale(rng.unit(), 3.0),
-    })
+    f.moved(&Pose::new(rng.quat(), scale(rng.unit(), 3.0)))
 }
 
 #[test]
@@ -112,11 +109,8 @@ fn nothing_is_shared_past_the_tip_of_a_sliver() {
             let sliver = ConvexPolyhedron::from_points(corners.as_flattened()).unwrap();
             // On the table's upper face, along its side.
             let q = Pose::turn([0.0, 0.0, 1.0], turn, [0.0; 3]);
-            let place = |t| Pose { q: q.q, t: q.rotate(t) };
-            let frame = Frame {
-                a: place([0.0; 3]),
-                b: place([-0.3, -1.0, 1.0]),
-            };
+            let place = |t| Pose::new(q.q, q.rotate(t));
+            let frame = Frame::new(place([0.0; 3]), place([-0.3, -1.0, 1.0]));
             for at_most in [4, 8] {
                 let m = manifold(&table, &sliver, &frame, &exact(1e-9, at_most));
                 assert!(!m.points().is_empty());
@@ -187,13 +181,13 @@ fn negative_angles_keep_no_corner_off_the_faces() {
         (options.rebuild_motion, options.reselect_motion, options.max_face_sine) = (0.0, 10.0, sine);
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
         for k in 0..60 {
-            let frame = Frame {
-                a: Pose::IDENTITY,
-                b: Pose {
+            let frame = Frame::new(
+                Pose::IDENTITY,
+                Pose {
                     t: [0.05 * f64::from(k), 0.02, 0.8],
                     ..Pose::IDENTITY
                 },
-            };
+            );
             pair.manifold(&body, &body, &support::relative(&frame), &options, &mut m);
             for p in m.points() {
                 for point in [p.point_on_a, p.point_on_b] {

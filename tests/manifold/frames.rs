@@ -110,10 +110,7 @@ fn names_are_never_given_twice() {
         for k in 0..120 {
             let x = 2.6 + 0.1 * (0.2 * f64::from(k)).sin() + rng.range(0.0, 0.02);
             let turn = yaw + rng.range(-0.02, 0.02);
-            let frame = Frame {
-                a: Pose::IDENTITY,
-                b: Pose::turn([0.0, 0.0, 1.0], turn, [x, aside, 1.49]),
-            };
+            let frame = Frame::new(Pose::IDENTITY, Pose::turn([0.0, 0.0, 1.0], turn, [x, aside, 1.49]));
             pair.manifold(&plate, &cube, &support::relative(&frame), &options, &mut m);
             for (k, p) in m.points().iter().enumerate() {
                 assert!(m.points()[..k].iter().all(|q| q.id != p.id), "{m:?}");
@@ -212,10 +209,7 @@ fn bodies_far_from_their_origin_are_asked_anew() {
         };
         for k in 0..40 {
             let aside = [0.3 + 1e-5 * f64::from(k), 0.2, 1.99 - 1e-6 * rng.uniform()];
-            let frame = Frame {
-                a: home(a),
-                b: Pose::shift(add(home(b).t, aside)),
-            };
+            let frame = Frame::new(home(a), Pose::shift(add(home(b).t, aside)));
             let pose = support::relative(&frame);
             pair.manifold(a, b, &pose, &options, &mut m);
             let truth = Tracker::new().closest(a, b, &pose);

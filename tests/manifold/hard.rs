@@ -12,14 +12,8 @@ use truth::{Point, Pose};
 
 /// Returns frames of all kinds, most of them near contact.
 fn hard_frames(rng: &mut Rng, radii: (f64, f64)) -> Vec<Frame> {
-    let at = Pose {
-        q: rng.quat(),
-        t: scale(rng.unit(), 3.0),
-    };
-    let by = |t: Point, q: [f64; 4]| Frame {
-        a: at,
-        b: Pose { q, t: add(at.t, t) },
-    };
+    let at = Pose::new(rng.quat(), scale(rng.unit(), 3.0));
+    let by = |t: Point, q: [f64; 4]| Frame::new(at, Pose::new(q, add(at.t, t)));
     let near = scale(rng.unit(), rng.range(0.2, 1.1) * (radii.0 + radii.1));
     vec![
         by([0.0; 3], at.q),
@@ -107,13 +101,7 @@ fn upright_faces_bear_no_contact() {
         let plate = ConvexPolyhedron::polygon(&rim(100, size).collect::<Vec<_>>()).unwrap();
         let card = (0..3).map(|_| [rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), 0.0].into());
         let card = ConvexPolyhedron::polygon(&card.collect::<Vec<_>>()).unwrap();
-        let mut frame = Frame {
-            a: Pose::IDENTITY,
-            b: Pose {
-                q: rng.quat(),
-                t: scale(rng.unit(), size),
-            },
-        };
+        let mut frame = Frame::new(Pose::IDENTITY, Pose::new(rng.quat(), scale(rng.unit(), size)));
         // Edge on edge, overlapping by no more than rounding.
         for _ in 0..4 {
             let o = Tracker::new().closest(&card, &plate, &support::relative(&frame));
@@ -149,14 +137,11 @@ fn a_tip_of_thousands_of_faces_is_promoted_to_the_right_one() {
                 quat([0.0, 0.0, 1.0], rng.range(0.0, 6.3)),
             );
             let q = unit_quat(turn);
-            let tip = Pose { q, t: [0.0; 3] }.rotate([0.0, 0.0, height]);
-            let frame = Frame {
-                a: Pose::IDENTITY,
-                b: Pose {
-                    q,
-                    t: add([0.0, 0.0, 0.1 + 1e-6], scale(tip, -1.0)),
-                },
-            };
+            let tip = Pose::new(q, [0.0; 3]).rotate([0.0, 0.0, height]);
+            let frame = Frame::new(
+                Pose::IDENTITY,
+                Pose::new(q, add([0.0, 0.0, 0.1 + 1e-6], scale(tip, -1.0))),
+            );
             let m = manifold(&plate, &cone, &frame, &flush(0.05, 4));
             let Some(f) = m.features() else { continue };
             let n: Point = m.normal().into_inner().into();
@@ -200,7 +185,7 @@ fn slivers_upon_large_faces_hold_their_contacts() {
         };
         let t = [rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), 0.5 + rng.range(-1e-3, 1e-3)];
         let b = Pose::turn([0.0, 0.0, 1.0], rng.range(0.0, 6.0), t);
-        let frame = Frame { a: Pose::IDENTITY, b };
+        let frame = Frame::new(Pose::IDENTITY, b);
         let m = manifold(&plate, &blade, &frame, &exact(0.01, 8));
         for contact in m.points() {
             let off = |body: &ConvexPolyhedron, p| (body.closest_point(&p).unwrap() - p).into();

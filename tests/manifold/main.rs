@@ -71,10 +71,7 @@ fn edges_and_corners_make_contacts() {
     let cube = support::body(&shapes::cube());
     let quarter = std::f64::consts::FRAC_PI_4;
     let options = exact(0.05, 4);
-    let turned = |axis: Point, angle: f64, t: Point| Frame {
-        a: Pose::IDENTITY,
-        b: Pose::turn(axis, angle, t),
-    };
+    let turned = |axis: Point, angle: f64, t: Point| Frame::new(Pose::IDENTITY, Pose::turn(axis, angle, t));
     let root = 2f64.sqrt();
     let on_edge = turned([1.0, 0.0, 0.0], quarter, [0.3, 0.0, 1.0 + root - 0.01]);
     let m = manifold(&cube, &cube, &on_edge, &options);
@@ -82,21 +79,21 @@ fn edges_and_corners_make_contacts() {
     judge(&cube, &cube, &on_edge, &m, &options, "edge on face");
     // Two crossed edges.
     let base = Pose::turn([0.0, 1.0, 0.0], quarter, [0.0; 3]);
-    let crossed = Frame {
-        a: base,
-        b: Pose::turn([1.0, 0.0, 0.0], quarter, [0.0, 0.0, 2.0 * root + 0.01]),
-    };
+    let crossed = Frame::new(
+        base,
+        Pose::turn([1.0, 0.0, 0.0], quarter, [0.0, 0.0, 2.0 * root + 0.01]),
+    );
     let m = manifold(&cube, &cube, &crossed, &options);
     assert_eq!((m.points().len(), m.features().map(support::kinds)), (1, Some((1, 1))));
     judge(&cube, &cube, &crossed, &m, &options, "edges crosswise");
     // And along each other.
-    let along = Frame {
-        a: base,
-        b: Pose {
+    let along = Frame::new(
+        base,
+        Pose {
             t: [0.0, 0.5, 2.0 * root + 0.01],
             ..base
         },
-    };
+    );
     let m = manifold(&cube, &cube, &along, &options);
     assert_eq!((m.points().len(), m.features().map(support::kinds)), (2, Some((1, 1))));
     judge(&cube, &cube, &along, &m, &options, "edges along each other");
@@ -123,13 +120,10 @@ fn an_outcome_gives_the_contacts_of_a_first_query() {
     let mut points = [0; 9];
     for k in 0..600 {
         let (a, b) = (&bodies[k % 3], &bodies[k / 3 % 3]);
-        let frame = Frame {
-            a: Pose::IDENTITY,
-            b: Pose {
-                q: rng.quat(),
-                t: truth::pose::scale(rng.unit(), rng.range(0.3, 2.4)),
-            },
-        };
+        let frame = Frame::new(
+            Pose::IDENTITY,
+            Pose::new(rng.quat(), truth::pose::scale(rng.unit(), rng.range(0.3, 2.4))),
+        );
         let (pose, options) = (support::relative(&frame), ManifoldOptions::default().prediction(0.1));
         let outcome = Tracker::new().closest(a, b, &pose);
         let m = Manifold::from_outcome(a, b, &pose, &outcome, &options);

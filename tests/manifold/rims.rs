@@ -71,15 +71,9 @@ fn straight_rims_bear_contacts_on_both_bodies() {
         let aside = rng.range(-0.9, 0.9) * (of_a.half + of_b.half);
         let yaw = [0.0, rng.log_range(1e-17, 1e-2)][usize::from(k % 3 == 0)];
         let t = [of_a.width + of_b.width + across, aside, 0.5 + gap];
-        let mut frame = Frame {
-            a: Pose::IDENTITY,
-            b: Pose::turn([0.0, 0.0, 1.0], yaw, t),
-        };
+        let mut frame = Frame::new(Pose::IDENTITY, Pose::turn([0.0, 0.0, 1.0], yaw, t));
         if rng.chance(0.5) {
-            frame = frame.moved(&Pose {
-                q: rng.quat(),
-                t: scale(rng.unit(), 3.0),
-            });
+            frame = frame.moved(&Pose::new(rng.quat(), scale(rng.unit(), 3.0)));
         }
         let options = exact(0.1, 4 + rng.below(5));
         let m = manifold(a, b, &frame, &options);
@@ -120,19 +114,12 @@ fn contacts_kept_along_straight_rims_are_sound() {
         let step = rng.log_range(1e-4, 0.05);
         // Rotated together, rounding alone decides on which side of one edge the other lies.
         let q = [Pose::IDENTITY.q, rng.quat()][usize::from(rng.chance(0.7))];
-        let common = Pose {
-            q,
-            t: scale(rng.unit(), 3.0),
-        };
+        let common = Pose::new(q, scale(rng.unit(), 3.0));
         let start = -(of_a.half + of_b.half) * rng.range(0.5, 1.0);
         for k in 0..40 {
             let across = if k % 2 == 0 { 0.0 } else { drawn };
             let t = [of_a.width + of_b.width + across, start - step * f64::from(k), 0.5 + gap];
-            let frame = Frame {
-                a: Pose::IDENTITY,
-                b: Pose::shift(t),
-            }
-            .moved(&common);
+            let frame = Frame::new(Pose::IDENTITY, Pose::shift(t)).moved(&common);
             pair.manifold(a, b, &support::relative(&frame), &options, &mut m);
             judge(a, b, &frame, &m, &options, "drawn along a rim");
             kept += m.points().len();
@@ -157,14 +144,11 @@ fn rims_in_line_bear_contacts_only_where_they_meet() {
         let side = if rng.chance(0.7) { 1.0 } else { -1.0 };
         let aside = rng.range(-0.9, 0.9) * (of_a.half + of_b.half);
         let gap = rng.log_range(1e-15, 1e-13);
-        let frame = Frame {
-            a: Pose::IDENTITY,
-            b: Pose::shift([of_a.width + side * of_b.width + across, aside, 0.5 + gap]),
-        };
-        let frame = frame.moved(&Pose {
-            q: rng.quat(),
-            t: scale(rng.unit(), 3.0),
-        });
+        let frame = Frame::new(
+            Pose::IDENTITY,
+            Pose::shift([of_a.width + side * of_b.width + across, aside, 0.5 + gap]),
+        );
+        let frame = frame.moved(&Pose::new(rng.quat(), scale(rng.unit(), 3.0)));
         let options = exact(0.1, 4 + rng.below(5));
         let m = manifold(a, b, &frame, &options);
         judge(a, b, &frame, &m, &options, &format!("in line {k}"));

@@ -11,6 +11,7 @@ use truth::Pose;
 use truth::pose::{add, scale};
 use truth::rng::Rng;
 use truth::soups;
+use truth::support::piece_at;
 
 /// Results of casts, and their queries.
 #[derive(Debug, Default)]
@@ -67,14 +68,16 @@ fn models(rng: &mut Rng, spin: f64) -> (Steady, Steady) {
     let q = rng.quat();
     let towards = add(aim, scale(from, -1.0));
     let a = steady(Pose::IDENTITY, scale(rng.in_ball(), 0.3), scale(rng.in_ball(), spin));
-    let b = steady(Pose { q, t: from }, towards, scale(rng.in_ball(), spin));
+    let b = steady(Pose::new(q, from), towards, scale(rng.in_ball(), spin));
     (a, b)
 }
 
 fn bodies() -> (Compound, Compound) {
-    let beam = |x: f64, turn: f64| Piece {
-        pose: Isometry3::new(Vector3::new(x, 0.0, 0.0), Vector3::z() * turn),
-        ..Piece::new(Shape::cuboid(Vector3::new(0.8, 0.15, 0.2)).unwrap())
+    let beam = |x: f64, turn: f64| {
+        piece_at(
+            Isometry3::new(Vector3::new(x, 0.0, 0.0), Vector3::z() * turn),
+            Shape::cuboid(Vector3::new(0.8, 0.15, 0.2)).unwrap(),
+        )
     };
     let cross = Compound::new(vec![beam(0.0, 0.0), beam(0.1, 1.4), beam(-0.5, 0.7)]).unwrap();
     let round = Compound::new(vec![beam(0.0, 0.3), Piece::new(Shape::cylinder(0.5, 0.3).unwrap())]).unwrap();

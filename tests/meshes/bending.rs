@@ -25,7 +25,7 @@ pub(crate) fn sheet(n: u32) -> Soup {
         [[a, b, c], [a, c, d]]
     };
     let triangles = (0..n).flat_map(|i| (0..n).flat_map(move |j| square(i, j))).collect();
-    Soup { points, triangles }
+    Soup::new(points, triangles)
 }
 
 /// Ways to deform a body of size about two.
@@ -70,10 +70,7 @@ fn motion(frames: usize, seed: u64) -> Vec<Pose> {
     let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
     let pose = |k: usize| {
         q = unit_quat(quat_mul(quat(axis, 0.01), q));
-        Pose {
-            q,
-            t: at.map(|x| x * (1.5 + 0.7 * (0.08 * k as f64).sin())),
-        }
+        Pose::new(q, at.map(|x| x * (1.5 + 0.7 * (0.08 * k as f64).sin())))
     };
     (0..frames).map(pose).collect()
 }
@@ -324,10 +321,7 @@ fn scales_of_powers_of_two_are_bit_for_bit() {
         for (frame, pose) in motion(30, 13).iter().enumerate() {
             let now = rest.clone().map(|p| bent("crumple", frame as f64 / 29.0, p));
             m.set_vertices(&vertices(&sized(&now))).unwrap();
-            let pose = Pose {
-                q: pose.q,
-                t: scale(pose.t, size),
-            };
+            let pose = Pose::new(pose.q, scale(pose.t, size));
             found.push(tracker.closest(&m, &n, &relative(&pose)).distance / size);
         }
         found

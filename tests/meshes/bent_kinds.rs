@@ -173,10 +173,10 @@ const BENDS: [&str; 4] = ["wave", "twist", "fold", "crumple"];
 fn pose_at(frame: usize, seed: u64) -> Pose {
     let mut rng = Rng::new(seed);
     let (q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
-    Pose {
-        q: unit_quat(quat_mul(quat(axis, 0.02 * frame as f64), q)),
-        t: scale(at, 0.9 + 0.6 * (0.9 * frame as f64).sin()),
-    }
+    Pose::new(
+        unit_quat(quat_mul(quat(axis, 0.02 * frame as f64), q)),
+        scale(at, 0.9 + 0.6 * (0.9 * frame as f64).sin()),
+    )
 }
 
 #[test]
@@ -208,10 +208,7 @@ fn rays_enter_bent_meshes_where_brute_force_says() {
             for frame in 0..8 {
                 let now = rest.clone().map(|p| bent(way, 0.1 * f64::from(frame), p));
                 m.set_vertices(&vertices(&now)).unwrap();
-                let pose = Pose {
-                    q: rng.quat(),
-                    t: scale(rng.unit(), 2.0),
-                };
+                let pose = Pose::new(rng.quat(), scale(rng.unit(), 2.0));
                 for _ in 0..6 {
                     let (from, to) = (scale(rng.unit(), 3.0), scale(rng.unit(), 0.8));
                     let (start, end) = (pose.apply(from), pose.apply(to));

@@ -28,10 +28,7 @@ fn ground(n: usize, amplitude: f64, rng: &mut Rng) -> Soup {
             [[a, b, d], [b, c, d]]
         }
     });
-    Soup {
-        triangles: cells.collect(),
-        points,
-    }
+    Soup::new(points, cells.collect())
 }
 
 /// Returns the height of the ground under a point.
@@ -104,13 +101,13 @@ fn a_box_tumbles_over_bumps_without_ghosts() {
         let angle = 0.017 * f64::from(k);
         let mut t = [0.6 * angle.sin(), 0.6 * (1.31 * angle).cos(), 0.5];
         let (m, n) = (mesh(&soup), mesh(&solid));
-        let distance = |t| PairTracker::new().distance(&m, &n, &relative(&Pose { q, t })).value;
+        let distance = |t| PairTracker::new().distance(&m, &n, &relative(&Pose::new(q, t))).value;
         for _ in 0..60 {
             t[2] -= distance(t);
         }
         let gap = [2e-3, 5e-3, -2e-3, -8e-3][k as usize % 4];
         t[2] += gap;
-        let pose = Pose { q, t };
+        let pose = Pose::new(q, t);
         let truth = distance(t);
         let found = tracker
             .contacts_between(&floor, &cube, &relative(&pose), &within(0.01))
@@ -148,10 +145,10 @@ fn a_corner_in_a_valley_has_contacts_along_both_of_its_faces() {
     for rise in [0.05, 0.2, 0.35] {
         // The valley runs along y.
         let ends = |x: f64| [[x, -1.0, rise * x.abs()], [x, 1.0, rise * x.abs()]];
-        let soup = Soup {
-            points: [-1.0, 0.0, 1.0].into_iter().flat_map(ends).collect(),
-            triangles: vec![[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]],
-        };
+        let soup = Soup::new(
+            [-1.0, 0.0, 1.0].into_iter().flat_map(ends).collect(),
+            vec![[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]],
+        );
         let (floor, cube) = (patches(&soup), cuboid([0.1; 3]));
         let mut tracker = PairTracker::new();
         for k in 0..200 {
@@ -161,9 +158,9 @@ fn a_corner_in_a_valley_has_contacts_along_both_of_its_faces() {
             let q = unit_quat(quat_mul(quat(rng.unit(), rng.range(-0.2, 0.2)), upright));
             let depth = 10f64.powf(rng.range(-5.0, -2.0));
             let beside = 0.3 * rise * depth * rng.range(-1.0, 1.0);
-            let corner = Pose { q, t: [0.0; 3] }.apply([0.1, 0.1, -0.1]);
+            let corner = Pose::new(q, [0.0; 3]).apply([0.1, 0.1, -0.1]);
             let t = sub([beside, rng.range(-0.2, 0.2), -depth], corner);
-            let pose = Pose { q, t };
+            let pose = Pose::new(q, t);
             let found = tracker
                 .contacts_between(&floor, &cube, &relative(&pose), &exact(1e-3))
                 .to_vec();

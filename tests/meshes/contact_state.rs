@@ -16,7 +16,7 @@ fn tetrahedron(rng: &mut Rng) -> Soup {
         let [a, b, c] = [1, 2, 3].map(|k| sub(points[k], points[0]));
         if truth::pose::dot(truth::pose::cross(a, b), c) > 0.01 {
             let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
-            return Soup { points, triangles };
+            return Soup::new(points, triangles);
         }
     }
 }

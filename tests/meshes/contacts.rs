@@ -8,6 +8,7 @@ use truth::Pose;
 use truth::pose::{add, quat, quat_mul, scale, sub, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
+use truth::support::piece_at;
 
 pub(crate) fn patches(soup: &Soup) -> ConvexPatches {
     ConvexPatches::from_mesh(mesh(soup))
@@ -108,10 +109,7 @@ pub(crate) fn check(found: &[ContactGroup], soups: [Option<&Soup>; 2], pose: &Po
 
 #[test]
 fn convex_bodies_and_flat_regions_are_one_patch_turned_or_not() {
-    let turn = Pose {
-        q: unit_quat([0.3, 0.2, 0.5, 0.7]),
-        t: [0.3, 7.0, -2.0],
-    };
+    let turn = Pose::new(unit_quat([0.3, 0.2, 0.5, 0.7]), [0.3, 7.0, -2.0]);
     for soup in [soups::plate(8, [1.0, 0.5, 0.1]), soups::sphere(2)] {
         assert_eq!(patches(&soup).count(), 1);
         assert_eq!(patches(&soup.moved(&turn)).count(), 1);
@@ -135,10 +133,7 @@ fn a_plate_on_a_plate_has_four_contacts_whose_names_last() {
     let mut tracker = PairTracker::new();
     let mut names = Vec::new();
     for (k, gap) in [4e-3, 3e-3, 1e-9, 0.0, -3e-3, -4e-3, -4e-3].into_iter().enumerate() {
-        let pose = Pose {
-            q: quat([0.0, 0.0, 1.0], 0.3),
-            t: [0.2, 0.1, 0.1 + gap],
-        };
+        let pose = Pose::new(quat([0.0, 0.0, 1.0], 0.3), [0.2, 0.1, 0.1 + gap]);
         let found = tracker
             .contacts_between(&p, &p, &relative(&pose), &within(0.01))
             .to_vec();
@@ -176,10 +171,7 @@ fn bodies_on_a_plate_have_a_few_contacts_upward() {
     for (name, soup, q, height, count) in bodies {
         let body = patches(&soup);
         for gap in [5e-3, 1e-9, -4e-3] {
-            let pose = Pose {
-                q,
-                t: [0.1, 0.2, 0.1 + height + gap],
-            };
+            let pose = Pose::new(q, [0.1, 0.2, 0.1 + height + gap]);
             let found = PairTracker::new()
                 .contacts_between(&floor, &body, &relative(&pose), &within(0.01))
                 .to_vec();
@@ -232,10 +224,7 @@ fn an_l_on_an_l_and_a_finger_of_overlapping_parts_on_a_plate_rest_on_a_few_conta
     // Three closed components, each inside the next by a quarter, like the links of a modelled
     // hand; the tip points up.
     let link = soups::plate(2, [0.4, 0.15, 0.1]);
-    let tip = Pose {
-        q: quat([0.0, 1.0, 0.0], -0.5),
-        t: [1.0, 0.0, 0.25],
-    };
+    let tip = Pose::new(quat([0.0, 1.0, 0.0], -0.5), [1.0, 0.0, 0.25]);
     let finger = link
         .clone()
         .with(&link.clone().map(|p| add(p, [0.6, 0.0, 0.0])))
@@ -271,10 +260,10 @@ fn slide((floor, turn): (&ConvexPatches, &Pose), (body, lift, count): (&ConvexPa
         let angle = 0.0171 * f64::from(k);
         let depth = rng.range(-2e-3, 2e-3);
         let at = [0.9 * angle.sin(), 0.9 * (1.3 * angle).cos(), lift + depth];
-        let pose = Pose {
-            q: unit_quat(quat_mul(turn.q, quat([0.0, 0.0, 1.0], angle))),
-            t: turn.apply(at),
-        };
+        let pose = Pose::new(
+            unit_quat(quat_mul(turn.q, quat([0.0, 0.0, 1.0], angle))),
+            turn.apply(at),
+        );
         let found = tracker.contacts_between(floor, body, &relative(&pose), &within(5e-3));
         assert_eq!((found.len(), all(found).count()), (1, count), "{what} {k} {found:?}");
         assert!((deepest(found) - depth).abs() < 1e-9, "{what} {k} {depth} {found:?}");
@@ -288,10 +277,7 @@ fn slide((floor, turn): (&ConvexPatches, &Pose), (body, lift, count): (&ConvexPa
 fn a_body_that_slides_over_inner_edges_for_a_thousand_frames_feels_none() {
     // The floor is at -1.
     let room = room(10, [2.0, 2.0, 1.0]);
-    let turned = Pose {
-        q: unit_quat([0.3, 0.2, 0.5, 0.7]),
-        t: [0.3, 0.2, -0.1],
-    };
+    let turned = Pose::new(unit_quat([0.3, 0.2, 0.5, 0.7]), [0.3, 0.2, -0.1]);
     let bracket = soups::bracket();
     for turn in [Pose::IDENTITY, turned] {
         let floor = patches(&room.clone().moved(&turn));
@@ -304,9 +290,11 @@ fn a_body_that_slides_over_inner_edges_for_a_thousand_frames_feels_none() {
         );
     }
     // A floor of tiles, each a piece.
-    let tiles = (0..100).map(|k| Piece {
-        pose: Pose::shift([f64::from(k % 10) * 0.4 - 1.8, f64::from(k / 10) * 0.4 - 1.8, -1.1]).isometry(),
-        ..Piece::new(Shape::cuboid(Vector3::new(0.2, 0.2, 0.1)).unwrap())
+    let tiles = (0..100).map(|k| {
+        piece_at(
+            Pose::shift([f64::from(k % 10) * 0.4 - 1.8, f64::from(k / 10) * 0.4 - 1.8, -1.1]).isometry(),
+            Shape::cuboid(Vector3::new(0.2, 0.2, 0.1)).unwrap(),
+        )
     });
     let floor = ConvexPatches::from_compound(Compound::new(tiles.collect()).unwrap());
     slide(
@@ -366,7 +354,7 @@ fn contacts_of_tumbling_bodies_lie_on_both_and_their_normals_are_the_meshes_own(
         let mut tracker = PairTracker::new();
         for frame in 0..4 {
             q = unit_quat(quat_mul(quat(axis, 0.01), q));
-            let mut pose = Pose { q, t: scale(at, 2.6) };
+            let mut pose = Pose::new(q, scale(at, 2.6));
             for _ in 0..30 {
                 let d = PairTracker::new().distance(m, n, &relative(&pose)).value;
                 pose.t = sub(pose.t, scale(at, (d - 0.002).max(0.0)));
@@ -417,18 +405,15 @@ fn a_prediction_beyond_the_bodies_ends_in_time() {
     let sheet = |rng: &mut Rng| {
         let points = (0..81).map(|k| [f64::from(k / 9), f64::from(k % 9), rng.range(0.0, 1.0)]);
         let cells = (0..64).map(|k| k / 8 * 9 + k % 8);
-        Soup {
-            points: points.collect(),
-            triangles: cells
+        Soup::new(
+            points.collect(),
+            cells
                 .flat_map(|k| [[k, k + 9, k + 1], [k + 1, k + 9, k + 10]])
                 .collect(),
-        }
+        )
     };
     let (a, b) = (mesh(&sheet(&mut rng)), mesh(&sheet(&mut rng)));
-    let turned = relative(&Pose {
-        q: quat([1.0, 0.0, 0.0], std::f64::consts::PI),
-        t: [0.1, 8.0, 3.0],
-    });
+    let turned = relative(&Pose::new(quat([1.0, 0.0, 0.0], std::f64::consts::PI), [0.1, 8.0, 3.0]));
     let mut tracker = PairTracker::new();
     let nearest = tracker.closest(&a, &b, &turned);
     for prediction in [1e3, 1e300] {

@@ -29,10 +29,7 @@ fn windings_decide_over_jumps() {
         assert_eq!(m.kind(), MeshKind::Solid);
         let (mut forward, mut backward) = (PairTracker::new(), PairTracker::new());
         for i in 0..500 {
-            let pose = Pose {
-                q: rng.quat(),
-                t: scale(rng.in_ball(), 1.5),
-            };
+            let pose = Pose::new(rng.quat(), scale(rng.in_ball(), 1.5));
             let truth = brute::distance(solid, &pebble, &pose).0;
             if truth < 1e-9 {
                 continue;
@@ -76,10 +73,7 @@ fn linked_rings_are_apart() {
     for k in 0..100 {
         let angle = 0.05 * f64::from(k);
         let q = truth::pose::quat_mul(quat([0.0, 0.0, 1.0], 0.1 * angle.sin()), quat([1.0, 0.0, 0.0], 1.5));
-        let pose = Pose {
-            q,
-            t: [1.0 + 0.2 * angle.cos(), 0.0, 0.1 * angle.sin()],
-        };
+        let pose = Pose::new(q, [1.0 + 0.2 * angle.cos(), 0.0, 0.1 * angle.sin()]);
         assert_eq!(
             super::judge(&mut tracker, (&ring, &ring), (&m, &m), &pose),
             ContactState::Separated
@@ -130,10 +124,7 @@ fn crossings_and_nested_parts_are_named() {
     for i in 0..half {
         for j in half..2 * half {
             let (p, q) = (two.corners(i), two.corners(j));
-            let one = |t: [truth::Point; 3]| Soup {
-                points: t.to_vec(),
-                triangles: vec![[0, 1, 2]],
-            };
+            let one = |t: [truth::Point; 3]| Soup::new(t.to_vec(), vec![[0, 1, 2]]);
             if brute::distance(&one(p), &one(q), &Pose::IDENTITY).0 == 0.0 {
                 pairs.push([i as u32, j as u32]);
             }

@@ -2,6 +2,7 @@
 //! relies on.
 
 use core::f64::consts::TAU;
+use truth::support::piece_at;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
@@ -22,10 +23,7 @@ fn along_x(x: f64) -> RelativePose {
 }
 
 fn at(shape: impl Into<Shape>, pose: Isometry3<f64>) -> Piece {
-    Piece {
-        pose,
-        ..Piece::new(shape)
-    }
+    piece_at(pose, shape)
 }
 
 /// Returns bodies that lose all their triangles at their pose, or never had one: in x from 0 to

@@ -74,18 +74,15 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
         // Each about its axis, then one across the other.
         let own = [0, 1].map(|_| quat([1.0, 0.0, 0.0], rng.range(0.3, 1.2)));
         let across = quat([0.0, 0.0, 1.0], rng.range(0.4, 1.57));
-        let turned = bars[0].clone().moved(&Pose { q: own[0], t: [0.0; 3] });
-        let finer = fine.clone().moved(&Pose { q: own[0], t: [0.0; 3] });
+        let turned = bars[0].clone().moved(&Pose::new(own[0], [0.0; 3]));
+        let finer = fine.clone().moved(&Pose::new(own[0], [0.0; 3]));
         let q = unit_quat(quat_mul(across, own[1]));
         let shapes = [&turned, &bars[1]].map(|s| {
             let points: Vec<_> = s.points.iter().map(|p| Point3::from(*p)).collect();
             Shape::from(ConvexPolyhedron::from_points(&points).unwrap())
         });
         // Down until the edges cross slightly.
-        let mut pose = Pose {
-            q,
-            t: [rng.range(-0.4, 0.4), rng.range(-0.2, 0.2), 0.5],
-        };
+        let mut pose = Pose::new(q, [rng.range(-0.4, 0.4), rng.range(-0.2, 0.2), 0.5]);
         let apart = PairTracker::new()
             .closest(&shapes[0], &shapes[1], &relative(&pose))
             .distance;
@@ -128,10 +125,7 @@ fn family(name: &str, a: &Soup, b: &Soup, seed: u64) -> f64 {
     let mut ratios = Ratios::default();
     for k in 0..24 {
         let at = rng.unit();
-        let mut pose = Pose {
-            q: unit_quat(rng.quat()),
-            t: scale(at, 3.0),
-        };
+        let mut pose = Pose::new(unit_quat(rng.quat()), scale(at, 3.0));
         for _ in 0..30 {
             let d = PairTracker::new().distance(&m, &n, &relative(&pose)).value;
             pose.t = add(pose.t, scale(at, -d));

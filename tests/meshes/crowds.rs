@@ -43,10 +43,10 @@ fn crowded() -> Vec<Soup> {
 /// Returns a pose that moves a body by nearly nothing: by a rotation, a shift, or both.
 fn nearly_nothing(rng: &mut Rng, k: usize) -> Pose {
     let by = 10f64.powf(rng.range(-17.0, -11.0));
-    Pose {
-        q: quat(rng.unit(), if k % 3 == 1 { 0.0 } else { by }),
-        t: scale(rng.unit(), if k.is_multiple_of(3) { 0.0 } else { by }),
-    }
+    Pose::new(
+        quat(rng.unit(), if k % 3 == 1 { 0.0 } else { by }),
+        scale(rng.unit(), if k.is_multiple_of(3) { 0.0 } else { by }),
+    )
 }
 
 /// Returns the work and the contact state of `closest`: cold, again, after another pose, and

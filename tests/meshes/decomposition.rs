@@ -10,6 +10,7 @@ use truth::exact::distance_to_body;
 use truth::pose::scale;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
+use truth::support::piece_at;
 use truth::{Face, Point, Pose};
 
 fn hull(points: &[[f64; 3]]) -> Piece {
@@ -37,10 +38,7 @@ fn cases() -> Vec<(Mesh, Compound)> {
         // The same pieces, each in a separate frame.
         let turn = Isometry3::new(Vector3::new(0.1, -0.2, 0.3), Vector3::new(0.4, 0.1, -0.2));
         let body = ConvexPolyhedron::from_points(&corners(piece).map(|p| turn * p).collect::<Vec<_>>()).unwrap();
-        *piece = Piece {
-            pose: turn.inverse(),
-            ..Piece::new(body)
-        };
+        *piece = piece_at(turn.inverse(), body);
     }
     vec![
         (mesh(&torus), stretches(&torus, 12, 3)),
@@ -121,10 +119,7 @@ fn distances_are_intervals_that_hold_for_the_mesh() {
         for other in &others {
             let (mut pair, mut exact) = (PairTracker::new(), PairTracker::new());
             for k in 0..60 {
-                let pose = Pose {
-                    q: rng.quat(),
-                    t: scale(rng.unit(), rng.range(0.0, 3.0)),
-                };
+                let pose = Pose::new(rng.quat(), scale(rng.unit(), rng.range(0.0, 3.0)));
                 let found = d.distance(&mut pair, other, &relative(&pose));
                 let truth = exact.distance(&m, other, &relative(&pose));
                 assert!(
@@ -194,10 +189,7 @@ fn data(piece: &Piece) -> (Vec<Point>, Vec<Face>, Pose) {
     };
     let rim = |f| body.face_vertices(f).map(|v| v.index() as u32).collect();
     let (q, t) = (piece.pose.rotation.coords, piece.pose.translation.vector);
-    let pose = Pose {
-        q: [q.x, q.y, q.z, q.w],
-        t: t.into(),
-    };
+    let pose = Pose::new([q.x, q.y, q.z, q.w], t.into());
     (
         body.vertex_points().map(|p| p.into()).collect(),
         body.faces().map(rim).collect(),
@@ -222,7 +214,7 @@ fn check_grown(m: &Mesh, pieces: Compound, every: usize, rng: &mut Rng, told: &s
         let (u, v) = (rng.range(0.0, 0.5), rng.range(0.0, 0.5));
         for p in [a, a + (b - a) * u + (c - a) * v] {
             let near = all.iter().map(|(points, faces, pose)| {
-                let body = Body { points, faces };
+                let body = Body::new(points, faces);
                 distance_to_body(p.into(), body, pose)
             });
             farthest = farthest.max(near.fold(f64::INFINITY, f64::min));
@@ -294,10 +286,7 @@ fn distances_of_grown_pieces_hold_for_the_mesh() {
         let grown = Decomposition::new(m.clone(), pieces).unwrap().grown().unwrap();
         let (mut pair, mut exact) = (PairTracker::new(), PairTracker::new());
         for _ in 0..60 {
-            let pose = Pose {
-                q: rng.quat(),
-                t: scale(rng.unit(), rng.range(0.0, 4.0)),
-            };
+            let pose = Pose::new(rng.quat(), scale(rng.unit(), rng.range(0.0, 4.0)));
             let found = grown.distance(&mut pair, &other, &relative(&pose));
             let truth = exact.distance(&m, &other, &relative(&pose));
             assert!(

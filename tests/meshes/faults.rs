@@ -31,10 +31,7 @@ fn no_fault_opens_a_closed_surface() {
         assert!((m.volume() - volume).abs() < 1e-9 * volume, "{k}: {}", m.report());
         let mut tracker = PairTracker::new();
         for _ in 0..10 {
-            let pose = Pose {
-                q: rng.quat(),
-                t: scale(rng.in_ball(), 1.2),
-            };
+            let pose = Pose::new(rng.quat(), scale(rng.in_ball(), 1.2));
             if brute::distance(clean, &pebble, &pose).0 < 1e-9 {
                 continue;
             }
@@ -90,7 +87,7 @@ fn cut_fan(n: u32) -> Soup {
         let (r, next, cut) = (2 + k, 2 + (k + 1) % n, 2 + n + (k + 1) % n);
         triangles.extend([[0, cut, r], [r, cut, next], [0, next, cut], [1, r, next]]);
     }
-    Soup { points, triangles }
+    Soup::new(points, triangles)
 }
 
 #[test]
@@ -132,9 +129,6 @@ fn a_border_stays_a_border() {
             [k, k + 1, k + 2]
         }
     });
-    let strip = Soup {
-        points,
-        triangles: triangles.collect(),
-    };
+    let strip = Soup::new(points, triangles.collect());
     assert_eq!(mesh(&strip).kind(), MeshKind::Open);
 }

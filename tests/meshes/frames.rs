@@ -17,10 +17,7 @@ fn motion(frames: usize, degrees: f64, jump: usize, seed: u64) -> Vec<Pose> {
         }
         q = unit_quat(quat_mul(quat(axis, degrees.to_radians()), q));
         let swing = 1.45 + 0.6 * (k as f64 * degrees.to_radians()).sin();
-        Pose {
-            q,
-            t: at.map(|x| x * swing),
-        }
+        Pose::new(q, at.map(|x| x * swing))
     };
     (0..frames).map(pose).collect()
 }
@@ -83,7 +80,7 @@ fn a_million_steps_of_rotation_stay_right() {
     let step = quat(truth::pose::unit([0.3, 0.9, -0.2]), 0.01);
     for k in 0..1_000_000u32 {
         q = unit_quat(quat_mul(step, q));
-        let pose = Pose { q, t: [2.6, 0.1, 0.0] };
+        let pose = Pose::new(q, [2.6, 0.1, 0.0]);
         if k % 50_000 == 49_999 {
             judge(&mut tracker, (&a, &b), (&m, &n), &pose);
         } else {

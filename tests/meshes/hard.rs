@@ -17,10 +17,7 @@ fn flush_plates_are_settled_high_in_the_trees() {
         for k in 0..40 {
             let angle = 0.005 * f64::from(k);
             let q = truth::pose::quat_mul(quat([1.0, 0.0, 0.0], tilt), quat([0.0, 0.0, 1.0], angle));
-            let pose = Pose {
-                q,
-                t: [0.2, 0.1 * angle, 0.1 + gap + 2.0 * tilt],
-            };
+            let pose = Pose::new(q, [0.2, 0.1 * angle, 0.1 + gap + 2.0 * tilt]);
             let found = tracker.closest(&m, &m, &relative(&pose));
             if tilt == 0.0 {
                 assert!((found.distance - gap).abs() < 1e-14, "{gap} {found:?}");
@@ -50,10 +47,7 @@ fn gaps_down_to_nothing_equal_brute_force() {
         let (a, b) = (rng.pick(&shapes).clone(), rng.pick(&shapes).clone());
         let (m, n) = (mesh(&a), mesh(&b));
         let (q, u) = (rng.quat(), rng.unit());
-        let mut pose = Pose {
-            q,
-            t: scale(u, a.radius() + b.radius()),
-        };
+        let mut pose = Pose::new(q, scale(u, a.radius() + b.radius()));
         let target = 10f64.powi(-(k % 13));
         // Moved along the normal to the required gap.
         for _ in 0..3 {
@@ -87,10 +81,7 @@ fn soups_and_slivers_are_surfaces_and_equal_brute_force() {
             soups::loose(40, 0.3, &mut rng)
         };
         let (m, n) = (mesh(&a), mesh(&b));
-        let pose = Pose {
-            q: rng.quat(),
-            t: scale(rng.unit(), rng.range(0.0, 3.0)),
-        };
+        let pose = Pose::new(rng.quat(), scale(rng.unit(), rng.range(0.0, 3.0)));
         let truth = brute::distance(&a, &b, &pose).0;
         let found = PairTracker::new().closest(&m, &n, &relative(&pose));
         let noise = 2e-14 * size(&a, &b, &pose);
@@ -109,10 +100,10 @@ fn plates_that_slide_flush_need_no_finer_arithmetic_and_a_short_front() {
     let mut tracker = PairTracker::new();
     for k in 0..120 {
         let angle = 0.5f64.to_radians() * f64::from(k);
-        let pose = Pose {
-            q: quat([0.0, 0.0, 1.0], angle),
-            t: [0.3 * angle.sin(), 0.2 * angle.cos(), 0.1],
-        };
+        let pose = Pose::new(
+            quat([0.0, 0.0, 1.0], angle),
+            [0.3 * angle.sin(), 0.2 * angle.cos(), 0.1],
+        );
         let found = tracker.closest(&m, &m, &relative(&pose));
         assert_eq!((found.state, found.lower), (ContactState::Touching, 0.0), "{k}");
     }
@@ -129,10 +120,10 @@ fn solids_on_two_sides_of_a_plane_take_no_winding_numbers() {
         let m = mesh(&plate);
         for k in 0..40 {
             let angle = 0.05 * f64::from(k);
-            let pose = Pose {
-                q: quat([0.0, 0.0, 1.0], angle),
-                t: [0.3 * angle.sin(), 0.2 * angle.cos(), 0.1],
-            };
+            let pose = Pose::new(
+                quat([0.0, 0.0, 1.0], angle),
+                [0.3 * angle.sin(), 0.2 * angle.cos(), 0.1],
+            );
             let mut tracker = PairTracker::new();
             let found = tracker.closest(&m, &m, &relative(&pose));
             assert_eq!(found.state, ContactState::Touching, "{n} {k}");
@@ -146,17 +137,11 @@ fn powers_of_two_scale_the_answer() {
     let (a, b) = (soups::knot(60, 8, 0.12), soups::gear(12));
     let mut rng = Rng::new(10);
     for k in 0..60 {
-        let pose = Pose {
-            q: rng.quat(),
-            t: scale(rng.unit(), 1.8),
-        };
+        let pose = Pose::new(rng.quat(), scale(rng.unit(), 1.8));
         let answer = |exponent: i32| {
             let s = 2f64.powi(exponent);
             let grown = |soup: &Soup| mesh(&soup.clone().map(|p| scale(p, s)));
-            let at = Pose {
-                q: pose.q,
-                t: scale(pose.t, s),
-            };
+            let at = Pose::new(pose.q, scale(pose.t, s));
             let o = PairTracker::new().closest(&grown(&a), &grown(&b), &relative(&at));
             (
                 o.state,
@@ -190,10 +175,7 @@ fn far_and_unequal_bodies_are_answered() {
         let mut tracker = PairTracker::new();
         for k in 0..20 {
             let q = quat([0.0, 1.0, 0.0], 0.01 * f64::from(k));
-            let pose = Pose {
-                q,
-                t: [1.5 + far, 0.2, 0.0],
-            };
+            let pose = Pose::new(q, [1.5 + far, 0.2, 0.0]);
             let found = tracker.closest(&m, &n, &relative(&pose));
             if far < 1e100 {
                 let truth = brute::distance(&a, &b, &pose).0;

@@ -198,7 +198,7 @@ fn run(frames: usize, seed: u64) -> Tally {
                 [0.0; 3]
             };
             let t = [0, 1, 2].map(|k| centre[k] + at[k] * (far - 0.01 * frame as f64));
-            let (pose, what) = (Pose { q, t }, format!("{seed} {clip} {way} {frame}"));
+            let (pose, what) = (Pose::new(q, t), format!("{seed} {clip} {way} {frame}"));
             tally.judge(&mut warm, (&now, &m), (other, &n), &pose, &what);
             if frame % 4 == 0 {
                 tally.judge(&mut PairTracker::new(), (&now, &m), (other, &n), &pose, &what);

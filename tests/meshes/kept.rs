@@ -21,11 +21,12 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
 use lin_canny::{
-    Compound, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairOutcome, PairTracker, Piece,
-    QueryOptions, RelativePose, Shape, Tracker,
+    Compound, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairOutcome, PairTracker, QueryOptions,
+    RelativePose, Shape, Tracker,
 };
 use truth::Pose;
 use truth::rng::Rng;
+use truth::support::piece_at;
 
 fn cuboid(half: [f64; 3]) -> ConvexPolyhedron {
     solids::cuboid(Vector3::from(half)).unwrap()
@@ -33,10 +34,7 @@ fn cuboid(half: [f64; 3]) -> ConvexPolyhedron {
 
 fn poses(count: usize, reach: f64, seed: u64) -> Vec<RelativePose> {
     let mut rng = Rng::new(seed);
-    let mut next = || Pose {
-        q: rng.quat(),
-        t: rng.in_ball().map(|x| x * reach),
-    };
+    let mut next = || Pose::new(rng.quat(), rng.in_ball().map(|x| x * reach));
     (0..count).map(|_| relative(&next())).collect()
 }
 
@@ -169,10 +167,7 @@ fn trees_tell_meshes_apart() {
 
 #[test]
 fn pieces_tell_composites_apart() {
-    let piece = |shape: Shape, x: f64| Piece {
-        pose: Isometry3::translation(x, 0.0, 0.0),
-        ..Piece::new(shape)
-    };
+    let piece = |shape: Shape, x: f64| piece_at(Isometry3::translation(x, 0.0, 0.0), shape);
     let die = || Shape::from(cuboid([0.5; 3]));
     let point = || Shape::from(ConvexPolyhedron::point(Point3::origin()).unwrap());
     let bodies = [

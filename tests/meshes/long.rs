@@ -25,10 +25,10 @@ fn turned_parts_are_solids() {
 /// at a gap.
 fn crossing(k: usize, degrees: f64, gap: f64) -> Pose {
     let turn = quat([0.0, 0.0, 1.0], (0.5 * k as f64).to_radians());
-    Pose {
-        q: unit_quat(quat_mul(quat([1.0, 0.0, 0.0], degrees.to_radians()), turn)),
-        t: [2.0 + gap, 0.002 * k as f64, 0.1],
-    }
+    Pose::new(
+        unit_quat(quat_mul(quat([1.0, 0.0, 0.0], degrees.to_radians()), turn)),
+        [2.0 + gap, 0.002 * k as f64, 0.1],
+    )
 }
 
 #[test]
@@ -54,16 +54,17 @@ fn fronts_of_long_parts_hold_what_they_claim() {
     for degrees in [1.0, 10.0, 45.0, 90.0] {
         follow(&shaft, &shaft, &|k| crossing(k, degrees, 0.05));
     }
-    follow(&shaft, &bearing, &|k| Pose {
-        q: quat([0.0, 0.0, 1.0], 0.005 * k as f64),
-        t: [0.01, 0.02, 0.005 * k as f64],
+    follow(&shaft, &bearing, &|k| {
+        Pose::new(quat([0.0, 0.0, 1.0], 0.005 * k as f64), [0.01, 0.02, 0.005 * k as f64])
     });
-    follow(&tray, &link, &|k| Pose {
-        q: unit_quat(quat_mul(
-            quat([0.0, 0.0, 1.0], 0.01 * k as f64),
-            quat([0.0, 1.0, 0.0], 1.5),
-        )),
-        t: [0.1, 0.0, 0.13],
+    follow(&tray, &link, &|k| {
+        Pose::new(
+            unit_quat(quat_mul(
+                quat([0.0, 0.0, 1.0], 0.01 * k as f64),
+                quat([0.0, 1.0, 0.0], 1.5),
+            )),
+            [0.1, 0.0, 0.13],
+        )
     });
     assert!(entries > 10_000, "{entries}");
 }
@@ -102,10 +103,10 @@ fn a_front_that_does_not_pay_is_dropped_and_none_is_longer_than_a_cap() {
     let (shaft, bearing) = (mesh(&turned::shaft(1_000)), mesh(&turned::bearing(1_000, 1.001)));
     let (mut tracker, mut cold) = (PairTracker::new(), 0);
     for k in 0..30 {
-        let at = relative(&Pose {
-            q: quat([0.0, 0.0, 1.0], 0.004 * f64::from(k)),
-            t: [3e-4, 0.0, 0.0],
-        });
+        let at = relative(&Pose::new(
+            quat([0.0, 0.0, 1.0], 0.004 * f64::from(k)),
+            [3e-4, 0.0, 0.0],
+        ));
         tracker.closest(&shaft, &bearing, &at);
         let mut anew = PairTracker::new();
         anew.closest(&shaft, &bearing, &at);

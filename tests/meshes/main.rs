@@ -140,10 +140,7 @@ fn random_poses_equal_brute_force() {
     let mut tally = [0; 2];
     for k in 0..2000 {
         let (i, j) = (rng.below(7), rng.below(7));
-        let pose = Pose {
-            q: rng.quat(),
-            t: rng.unit().map(|x| x * rng.range(0.1, 3.0)),
-        };
+        let pose = Pose::new(rng.quat(), rng.unit().map(|x| x * rng.range(0.1, 3.0)));
         let state = judge(
             &mut PairTracker::new(),
             (&shapes[i], &shapes[j]),

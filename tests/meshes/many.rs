@@ -39,45 +39,39 @@ fn family(a: &Soup, b: &Soup, motion: Motion, count: usize, seed: u64) -> [usize
     let mut tally = [0; 4];
     for k in 0..count {
         let mut pose = match motion {
-            Motion::Random | Motion::Gaps => Pose {
-                q: rng.quat(),
-                t: scale(rng.unit(), reach * rng.range(0.1, 1.1)),
-            },
+            Motion::Random | Motion::Gaps => Pose::new(rng.quat(), scale(rng.unit(), reach * rng.range(0.1, 1.1))),
             Motion::Tracked => {
                 q = unit_quat(quat_mul(quat(axis, 0.5f64.to_radians()), q));
                 let swing = 0.55 + 0.3 * (0.02 * k as f64).sin();
-                Pose {
-                    q,
-                    t: scale(at, reach * swing),
-                }
+                Pose::new(q, scale(at, reach * swing))
             }
             Motion::Flush => {
                 let angle = 0.009 * k as f64;
                 let gap = [0.0, 1e-12, 1e-9, 1e-6][k / 16 % 4];
-                Pose {
-                    q: quat([0.0, 0.0, 1.0], angle),
-                    t: [0.3 * angle.sin(), 0.2 * angle.cos(), 0.1 + gap],
-                }
+                Pose::new(
+                    quat([0.0, 0.0, 1.0], angle),
+                    [0.3 * angle.sin(), 0.2 * angle.cos(), 0.1 + gap],
+                )
             }
             Motion::Crossing => {
                 let angle = [1.0f64, 10.0, 45.0, 90.0][k / 32 % 4].to_radians();
                 let gap = [0.3, 0.05, 1e-3, -0.05][k / 8 % 4];
                 let turn = quat([0.0, 0.0, 1.0], 0.009 * k as f64);
-                Pose {
-                    q: unit_quat(quat_mul(quat([1.0, 0.0, 0.0], angle), turn)),
-                    t: [2.0 + gap, 0.3 * (0.1 * k as f64).sin(), 0.0],
-                }
+                Pose::new(
+                    unit_quat(quat_mul(quat([1.0, 0.0, 0.0], angle), turn)),
+                    [2.0 + gap, 0.3 * (0.1 * k as f64).sin(), 0.0],
+                )
             }
             Motion::Held => {
                 let (s, c) = (0.02 * k as f64).sin_cos();
                 let off = 0.12 * (0.05 * k as f64).sin();
-                Pose {
-                    q: quat(
+                Pose::new(
+                    quat(
                         [0.02 * s, 0.0, 1.0].map(|x| x / (1.0 + 4e-4 * s * s).sqrt()),
                         0.009 * k as f64,
                     ),
-                    t: [off * c, off * s, 0.3 * s],
-                }
+                    [off * c, off * s, 0.3 * s],
+                )
             }
             Motion::Grid => Pose::shift([0, 1, 2].map(|_| 0.25 * rng.range(-5.0, 5.0).round())),
         };

@@ -7,12 +7,11 @@ use super::pieces::soup;
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{
-    Compound, ContactState, GeometryRef, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape,
-};
+use lin_canny::{Compound, ContactState, GeometryRef, Mesh, PairTracker, PenetrationBounds, RelativePose, Shape};
 use truth::pose::{add, norm, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
+use truth::support::piece_at;
 use truth::{Pose, brute};
 
 fn penetration(a: GeometryRef, b: GeometryRef, at: &RelativePose) -> PenetrationBounds {
@@ -43,19 +42,10 @@ fn convex_meshes_and_shapes_of_every_kind_have_their_depth_between_the_bounds() 
     let mut tally = [[0; 2]; 8];
     for k in 0..400 {
         let (body, shape) = (&bodies[k % 3], &shapes[k % 8]);
-        let own = Pose {
-            q: rng.quat(),
-            t: scale(rng.unit(), 0.3),
-        };
-        let placed = Piece {
-            pose: own.isometry(),
-            ..Piece::new(shape.clone())
-        };
+        let own = Pose::new(rng.quat(), scale(rng.unit(), 0.3));
+        let placed = piece_at(own.isometry(), shape.clone());
         let (m, pieces) = (Mesh::from_convex(body).unwrap(), Compound::new(vec![placed]).unwrap());
-        let pose = Pose {
-            q: rng.quat(),
-            t: scale(rng.unit(), rng.range(0.2, 1.2)),
-        };
+        let pose = Pose::new(rng.quat(), scale(rng.unit(), rng.range(0.2, 1.2)));
         let of_shape = RelativePose::from_isometry(&(pose.isometry() * own.isometry())).unwrap();
         let truth = PairTracker::new().closest(&Shape::from(body.clone()), shape, &of_shape);
         let (there, back) = (relative(&pose), relative(&pose).swapped());
@@ -115,9 +105,11 @@ fn shortest(soups: (&Soup, &Soup), pose: &Pose, most: f64, steps: i32) -> f64 {
 
 #[test]
 fn bounds_of_a_mesh_and_pieces_hold_beside_a_grid_of_translations() {
-    let beam = |x: f64, turn: f64| Piece {
-        pose: Isometry3::new(Vector3::new(x, 0.0, 0.0), Vector3::z() * turn),
-        ..Piece::new(Shape::cuboid(Vector3::new(0.4, 0.1, 0.15)).unwrap())
+    let beam = |x: f64, turn: f64| {
+        piece_at(
+            Isometry3::new(Vector3::new(x, 0.0, 0.0), Vector3::z() * turn),
+            Shape::cuboid(Vector3::new(0.4, 0.1, 0.15)).unwrap(),
+        )
     };
     let cross = Compound::new(vec![beam(0.0, 0.0), beam(0.1, 1.4)]).unwrap();
     let crossed = soup(&cross);
@@ -127,10 +119,7 @@ fn bounds_of_a_mesh_and_pieces_hold_beside_a_grid_of_translations() {
     for k in 0..18 {
         let base = &shapes[k % 3];
         let m = mesh(base);
-        let pose = Pose {
-            q: rng.quat(),
-            t: scale(rng.unit(), rng.range(0.2, 0.7)),
-        };
+        let pose = Pose::new(rng.quat(), scale(rng.unit(), rng.range(0.2, 0.7)));
         let found = penetration(GeometryRef::from(&m), GeometryRef::from(&cross), &relative(&pose));
         assert_eq!(found.upper > 0.0, meets((base, &crossed), &pose), "{k} {found:?}");
         if found.upper == 0.0 {

@@ -16,7 +16,7 @@ fn pyramid(k: usize) -> Soup {
     let mut points = base.to_vec();
     points.push([[0.0, 0.0, 0.5], [0.25, 0.5, 3.0], [0.9, 0.0, 1.0]][k]);
     let triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
-    Soup { points, triangles }
+    Soup::new(points, triangles)
 }
 
 fn at(t: [f64; 3]) -> RelativePose {
@@ -138,10 +138,7 @@ fn bodies_in_one_place_overlap() {
             assert_eq!(classes(&m, &m, &at(t)), [ContactState::Overlapping; 4], "{k} {t:?}");
         }
         // Rotated by no more than rounding.
-        let turned = Pose {
-            q: quat([0.6, 0.0, 0.8], 1e-15),
-            t: [0.0; 3],
-        };
+        let turned = Pose::new(quat([0.6, 0.0, 0.8], 1e-15), [0.0; 3]);
         assert_eq!(
             classes(&m, &m, &relative(&turned)),
             [ContactState::Overlapping; 4],
@@ -217,14 +214,14 @@ fn depths_of_convex_meshes_that_cross_are_proven() {
     for k in 0..20 {
         let halves = [[1.0, 0.8, 0.01], [0.01, 1.0, 0.7]];
         let [a, b] = halves.map(|h| solids::cuboid(Vector3::from(h)).unwrap());
-        let pose = Pose {
-            q: if k == 0 {
+        let pose = Pose::new(
+            if k == 0 {
                 Pose::IDENTITY.q
             } else {
                 quat(rng.unit(), 0.1)
             },
-            t: [0.0, 0.05, 0.02],
-        };
+            [0.0, 0.05, 0.02],
+        );
         let depth = -lin_canny::Tracker::new().closest(&a, &b, &relative(&pose)).distance;
         let [m, n] = [&a, &b].map(|p| Mesh::from_convex(p).unwrap());
         let found = PairTracker::new().penetration(&m, &n, &relative(&pose)).unwrap();

@@ -11,6 +11,7 @@ use truth::Pose;
 use truth::pose::{add, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups;
+use truth::support::piece_at;
 
 fn shifted(pose: &Pose, by: Vector3<f64>) -> RelativePose {
     relative(&Pose {
@@ -32,10 +33,7 @@ fn convex_meshes_have_the_depth_of_their_bodies_between_the_bounds() {
     let (mut met, mut close) = (0, 0);
     for _ in 0..40 {
         let (i, j) = (rng.below(3), rng.below(3));
-        let pose = Pose {
-            q: rng.quat(),
-            t: scale(rng.unit(), rng.range(0.2, 1.0)),
-        };
+        let pose = Pose::new(rng.quat(), scale(rng.unit(), rng.range(0.2, 1.0)));
         let at = relative(&pose);
         let truth = Tracker::new().closest(&bodies[i], &bodies[j], &at);
         let found = PairTracker::new().penetration(&meshes[i], &meshes[j], &at).unwrap();
@@ -89,10 +87,7 @@ fn bounds_of_meshes_hold_and_meet_for_shallow_overlaps() {
         let (i, j) = (k % 3, rng.below(3));
         let (m, n) = (&meshes[i], &meshes[j]);
         let at = rng.unit();
-        let mut pose = Pose {
-            q: unit_quat(rng.quat()),
-            t: scale(at, 2.6),
-        };
+        let mut pose = Pose::new(unit_quat(rng.quat()), scale(at, 2.6));
         for _ in 0..20 {
             let d = PairTracker::new().distance(m, n, &relative(&pose)).value;
             pose.t = add(pose.t, scale(at, -d));
@@ -118,9 +113,11 @@ fn bounds_of_meshes_hold_and_meet_for_shallow_overlaps() {
 
 #[test]
 fn bounds_of_pieces_hold_and_surfaces_have_none() {
-    let beam = |x: f64, turn: f64| Piece {
-        pose: Isometry3::new(Vector3::new(x, 0.0, 0.0), Vector3::z() * turn),
-        ..Piece::new(Shape::cuboid(Vector3::new(0.8, 0.15, 0.2)).unwrap())
+    let beam = |x: f64, turn: f64| {
+        piece_at(
+            Isometry3::new(Vector3::new(x, 0.0, 0.0), Vector3::z() * turn),
+            Shape::cuboid(Vector3::new(0.8, 0.15, 0.2)).unwrap(),
+        )
     };
     let cross = Compound::new(vec![beam(0.0, 0.0), beam(0.1, 1.4), beam(-0.5, 0.7)]).unwrap();
     let round = Compound::new(vec![beam(0.0, 0.3), Piece::new(Shape::cylinder(0.5, 0.3).unwrap())]).unwrap();
@@ -128,10 +125,7 @@ fn bounds_of_pieces_hold_and_surfaces_have_none() {
     let mut met = 0;
     for k in 0..20 {
         let body = if k % 2 == 0 { &cross } else { &round };
-        let pose = Pose {
-            q: rng.quat(),
-            t: scale(rng.unit(), rng.range(0.3, 1.0)),
-        };
+        let pose = Pose::new(rng.quat(), scale(rng.unit(), rng.range(0.3, 1.0)));
         let found = PairTracker::new().penetration(&cross, body, &relative(&pose)).unwrap();
         if found.upper > 0.0 {
             met += 1;
@@ -185,9 +179,11 @@ fn depth_of_boxes(a: &Boxes, b: &Boxes) -> f64 {
 
 /// Returns the body of boxes, rotated about the origin.
 fn compound_of_boxes(boxes: &Boxes, turn: &Pose) -> Compound {
-    let piece = |(half, at): &([f64; 3], [f64; 3])| Piece {
-        pose: turn.isometry() * Isometry3::translation(at[0], at[1], at[2]),
-        ..Piece::new(Shape::cuboid(Vector3::from(*half)).unwrap())
+    let piece = |(half, at): &([f64; 3], [f64; 3])| {
+        piece_at(
+            turn.isometry() * Isometry3::translation(at[0], at[1], at[2]),
+            Shape::cuboid(Vector3::from(*half)).unwrap(),
+        )
     };
     Compound::new(boxes.iter().map(piece).collect()).unwrap()
 }
@@ -206,10 +202,7 @@ fn narrowed_bounds_hold_the_depth_of_boxes_to_the_width() {
         let (in_a, in_b) = (boxes(3), boxes(2));
         let truth = depth_of_boxes(&in_a, &in_b);
         // No box is along the axes.
-        let turn = Pose {
-            q: unit_quat(rng.quat()),
-            t: [0.0; 3],
-        };
+        let turn = Pose::new(unit_quat(rng.quat()), [0.0; 3]);
         let (a, b) = (compound_of_boxes(&in_a, &turn), compound_of_boxes(&in_b, &turn));
         let at = relative(&Pose::shift([0.0; 3]));
         let first = PairTracker::new().penetration(&a, &b, &at).unwrap();

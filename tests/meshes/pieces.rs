@@ -8,6 +8,7 @@ use lin_canny::{Compound, CompoundError, ContactState, PairTracker, Piece};
 use truth::pose::{quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups::Soup;
+use truth::support::piece_at;
 use truth::{Pose, brute};
 
 /// Returns boxes and hulls strung along a path.
@@ -17,15 +18,12 @@ fn chain(count: usize, in_place: bool, seed: u64) -> Compound {
         let at = scale(rng.in_ball(), 1.0);
         let size = Vector3::new(rng.range(0.05, 0.3), rng.range(0.05, 0.3), rng.range(0.05, 0.3));
         let shape = solids::random_hull(12, size, seed + k as u64).unwrap();
-        let pose = Pose { q: rng.quat(), t: at };
+        let pose = Pose::new(rng.quat(), at);
         let mut piece = if in_place {
             let points: Vec<_> = shape.vertex_points().map(|p| pose.isometry() * p).collect();
             Piece::new(lin_canny::ConvexPolyhedron::from_points(&points).unwrap())
         } else {
-            Piece {
-                pose: pose.isometry(),
-                ..Piece::new(shape)
-            }
+            piece_at(pose.isometry(), shape)
         };
         piece.name = format!("piece {k}");
         piece
@@ -55,10 +53,7 @@ fn pieces_equal_brute_force() {
         let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
         for frame in 0..40 {
             q = unit_quat(quat_mul(quat(axis, 0.009), q));
-            let pose = Pose {
-                q,
-                t: scale(at, 1.1 + 0.6 * (0.16 * f64::from(frame)).sin()),
-            };
+            let pose = Pose::new(q, scale(at, 1.1 + 0.6 * (0.16 * f64::from(frame)).sin()));
             let truth = brute::distance(&s, &t, &pose).0;
             let found = tracker.closest(&a, &b, &relative(&pose));
             let other = meshes.closest(&m, &n, &relative(&pose));
@@ -91,14 +86,8 @@ fn pieces_equal_brute_force() {
 #[test]
 fn mass_of_pieces_is_that_of_their_mesh() {
     let one = solids::cuboid(Vector3::new(1.0, 0.5, 0.25)).unwrap();
-    let pose = Pose {
-        q: Rng::new(4).quat(),
-        t: [3.0, -1.0, 0.5],
-    };
-    let far = Piece {
-        pose: pose.isometry(),
-        ..Piece::new(one.clone())
-    };
+    let pose = Pose::new(Rng::new(4).quat(), [3.0, -1.0, 0.5]);
+    let far = piece_at(pose.isometry(), one.clone());
     let body = Compound::new(vec![Piece::new(one), far]).unwrap();
     let m = body.to_mesh().unwrap();
     let mass = body.mass().unwrap();

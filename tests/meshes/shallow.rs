@@ -27,7 +27,7 @@ fn stretched(rng: &mut Rng) -> Vec<Soup> {
 /// size.
 fn entered(a: &Mesh, b: &Mesh, size: f64, rng: &mut Rng) -> Pose {
     let (q, way) = (rng.quat(), rng.unit());
-    let mut pose = Pose { q, t: scale(way, 4.0) };
+    let mut pose = Pose::new(q, scale(way, 4.0));
     let mut tracker = PairTracker::new();
     for _ in 0..60 {
         let gap = tracker.distance(a, b, &relative(&pose)).value;

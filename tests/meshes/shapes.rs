@@ -4,10 +4,11 @@
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Compound, ContactState, ConvexPolyhedron, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
+use lin_canny::{Compound, ContactState, ConvexPolyhedron, Mesh, MeshError, PairTracker, RelativePose, Shape};
 use truth::pose::{quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
+use truth::support::piece_at;
 use truth::{Pose, brute};
 
 fn kinds() -> Vec<Shape> {
@@ -47,7 +48,7 @@ fn tumble((soup, m): (&Soup, &Mesh), body: &Compound, seed: u64, tally: &mut [us
     for frame in 0..30 {
         q = unit_quat(quat_mul(quat(axis, 0.02), q));
         let t = scale(at, 0.9 + 0.8 * (0.25 * f64::from(frame)).sin());
-        let pose = Pose { q, t };
+        let pose = Pose::new(q, t);
         let at = relative(&pose);
         let found = warm.closest(m, body, &at);
         let cold = PairTracker::new().closest(m, body, &at);
@@ -97,14 +98,8 @@ fn bodies_of_all_kinds_against_meshes_equal_all_pairs() {
     for seed in 0..9 {
         let mut rng = Rng::new(100 + seed);
         let place = |shape: Shape| {
-            let pose = Pose {
-                q: rng.quat(),
-                t: scale(rng.in_ball(), 0.5),
-            };
-            Piece {
-                pose: pose.isometry(),
-                ..Piece::new(shape)
-            }
+            let pose = Pose::new(rng.quat(), scale(rng.in_ball(), 0.5));
+            piece_at(pose.isometry(), shape)
         };
         let body = Compound::new(kinds().into_iter().map(place).collect()).unwrap();
         assert_eq!(body.to_mesh().unwrap_err(), MeshError::Curved { piece: 0 });

@@ -165,10 +165,7 @@ fn closed_meshes_are_turned_outward_and_keep_their_inside() {
     ];
     let mut rng = Rng::new(6);
     for (k, (parts, volume, inward)) in cases.iter().enumerate() {
-        let turn = Pose {
-            q: truth::pose::unit_quat(rng.quat()),
-            t: rng.in_ball(),
-        };
+        let turn = Pose::new(truth::pose::unit_quat(rng.quat()), rng.in_ball());
         for pose in [Pose::IDENTITY, turn] {
             let (mut soup, mut expected) = (Soup::default(), Vec::new());
             for (part, own) in parts.iter().enumerate() {

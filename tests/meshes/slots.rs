@@ -6,6 +6,7 @@ use lin_canny::PairTracker;
 use truth::driven::played;
 use truth::driven::slots::{Mix, play, union_of};
 use truth::soups::Soup;
+use truth::support::piece_at;
 
 /// Returns a U whose lower arm ends at y = `depth`, and a pin in its gap from y = 0 to 2.
 fn pin_in_u(depth: f64) -> [Soup; 2] {
@@ -87,14 +88,14 @@ fn pins_in_ten_thousand_slots_have_their_depth() {
 /// Returns the bounds of the depth of two unions of boxes as meshes, compounds and voxels.
 fn bounds_of(u: &[[[f64; 3]; 2]], pin: &[[[f64; 3]; 2]]) -> Vec<lin_canny::PenetrationBounds> {
     use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-    use lin_canny::{Cloud, Compound, Geometry, Piece, Shape};
+    use lin_canny::{Cloud, Compound, Geometry, Shape};
     let compound = |boxes: &[[[f64; 3]; 2]]| -> Geometry {
         let piece = |[low, high]: &[[f64; 3]; 2]| {
             let (low, high) = (Vector3::from(*low), Vector3::from(*high));
-            Piece {
-                pose: Isometry3::translation(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), 0.5 * (low.z + high.z)),
-                ..Piece::new(Shape::cuboid((high - low) * 0.5).unwrap())
-            }
+            piece_at(
+                Isometry3::translation(0.5 * (low.x + high.x), 0.5 * (low.y + high.y), 0.5 * (low.z + high.z)),
+                Shape::cuboid((high - low) * 0.5).unwrap(),
+            )
         };
         Compound::new(boxes.iter().map(piece).collect()).unwrap().into()
     };

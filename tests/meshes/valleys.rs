@@ -4,10 +4,11 @@
 use super::contacts::exact;
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{Compound, ContactGroup, ConvexPatches, ConvexPolyhedron, PairTracker, Piece, Shape};
+use lin_canny::{Compound, ContactGroup, ConvexPatches, ConvexPolyhedron, PairTracker, Shape};
 use truth::Pose;
 use truth::rng::Rng;
 use truth::soups::Soup;
+use truth::support::piece_at;
 
 const PREDICTION: f64 = 5e-3;
 
@@ -54,11 +55,7 @@ impl Valley {
             let own = if rng.below(2) == 0 {
                 Isometry3::identity()
             } else {
-                Pose {
-                    q: rng.quat(),
-                    t: rng.in_ball(),
-                }
-                .isometry()
+                Pose::new(rng.quat(), rng.in_ball()).isometry()
             };
             // A piece with a radius has its core below the face.
             let core = self.sections(kind)[k].clone();
@@ -68,10 +65,7 @@ impl Valley {
                 .flat_map(|p| [-1.0, 1.0].map(|y| own.inverse() * Point3::from(p - sink + Vector3::y() * y)));
             let body = ConvexPolyhedron::from_points(&ends.collect::<Vec<_>>()).unwrap();
             let shape = Shape::from(body).rounded(radius).unwrap();
-            Piece {
-                pose: own,
-                ..Piece::new(shape)
-            }
+            piece_at(own, shape)
         };
         ConvexPatches::from_compound(Compound::new(vec![piece(0, rng), piece(1, rng)]).unwrap())
     }
@@ -79,13 +73,13 @@ impl Valley {
     /// Returns the valley as two faces of an open mesh.
     fn faces(&self) -> ConvexPatches {
         let ends = |p: Vector3<f64>| [[p.x, -1.0, p.z], [p.x, 1.0, p.z]];
-        ConvexPatches::from_mesh(mesh(&Soup {
-            points: [self.up[0], Vector3::zeros(), self.up[1]]
+        ConvexPatches::from_mesh(mesh(&Soup::new(
+            [self.up[0], Vector3::zeros(), self.up[1]]
                 .into_iter()
                 .flat_map(ends)
                 .collect(),
-            triangles: vec![[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]],
-        }))
+            vec![[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]],
+        )))
     }
 
     /// Returns the lowest height above a face of the points of a body over it, and whether a vertex
@@ -265,10 +259,7 @@ fn poses(name: &str, make: impl Fn(&Valley, &mut Rng) -> ConvexPatches, kind: us
         let [n, m] = valley.normals;
         let x = (h * m.z - g * n.z) / (n.x * m.z - m.x * n.z);
         let z = (g * n.x - h * m.x) / (n.x * m.z - m.x * n.z);
-        let pose = Pose {
-            q: [q.i, q.j, q.k, q.w],
-            t: [x, rng.range(-0.3, 0.3), z],
-        };
+        let pose = Pose::new([q.i, q.j, q.k, q.w], [x, rng.range(-0.3, 0.3), z]);
         let placed: Vec<_> = core
             .iter()
             .map(|p| (pose.isometry() * Point3::from(*p)).coords)
@@ -350,10 +341,7 @@ fn a_corner_beside_a_ridge_between_two_pieces_has_contacts_of_the_ridge() {
         // Next to the ridge, over one of the sides.
         let on = ridge.up[side] * rng.range(0.0, 0.02) + ridge.normals[side] * (depth + radius);
         let q = UnitQuaternion::new(Vector3::from(rng.unit()) * rng.range(0.0, 0.15));
-        let pose = Pose {
-            q: [q.i, q.j, q.k, q.w],
-            t: [on.x, rng.range(-0.3, 0.3), on.z],
-        };
+        let pose = Pose::new([q.i, q.j, q.k, q.w], [on.x, rng.range(-0.3, 0.3), on.z]);
         let placed: Vec<_> = core
             .iter()
             .map(|p| (pose.isometry() * Point3::from(*p)).coords)

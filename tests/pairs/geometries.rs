@@ -72,7 +72,7 @@ fn any_two_geometries_are_measured_in_either_order() {
                 let mut kept = [PairTracker::new(), PairTracker::new()];
                 for reach in [0.4, 1.0, 3.0] {
                     let (q, t) = (rng.quat(), scale(rng.in_ball(), reach));
-                    let pose = RelativePose::from_isometry(&Pose { q, t }.isometry()).unwrap();
+                    let pose = RelativePose::from_isometry(&Pose::new(q, t).isometry()).unwrap();
                     classes[judge(a, b, &pose, &mut kept) as usize] += 1;
                 }
             }
@@ -91,10 +91,7 @@ fn a_tracker_of_other_geometries_begins_anew() {
             // Geometries that live no longer than a query: an address may be reused.
             let mut bodies = forms(kind);
             let (a, b) = (bodies.swap_remove(rng.below(bodies.len())), bodies.pop().unwrap());
-            let pose = Pose {
-                q: rng.quat(),
-                t: scale(rng.in_ball(), 3.0),
-            };
+            let pose = Pose::new(rng.quat(), scale(rng.in_ball(), 3.0));
             let pose = RelativePose::from_isometry(&pose.isometry()).unwrap();
             let fresh = PairTracker::new().closest(&a.0, &b.0, &pose);
             let other = wandering.closest(&a.0, &b.0, &pose);
@@ -156,7 +153,7 @@ fn a_mesh_beside_a_surface_is_a_solid() {
         let surface = [&shell, &small, &open][k % 3];
         let reach = [0.5, 1.2, 3.0][k / 3 % 3];
         let (q, t) = (rng.quat(), scale(rng.in_ball(), reach));
-        let pose = RelativePose::from_isometry(&Pose { q, t }.isometry()).unwrap();
+        let pose = RelativePose::from_isometry(&Pose::new(q, t).isometry()).unwrap();
         let truth = PairTracker::new().closest_with(&hull, surface, &pose, &narrow);
         let found = PairTracker::new().closest_with(&mesh, surface, &pose, &narrow);
         let back = kept.closest_with(surface, &mesh, &pose.swapped(), &narrow);

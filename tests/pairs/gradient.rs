@@ -19,20 +19,17 @@ fn moved(pose: &Pose, linear: Point, angular: Point, by: f64) -> Pose {
     } else {
         [0.0, 0.0, 0.0, 1.0]
     };
-    Pose {
-        q: unit_quat(quat_mul(pose.q, turn)),
-        t: add(pose.t, pose.rotate(scale(linear, by))),
-    }
+    Pose::new(
+        unit_quat(quat_mul(pose.q, turn)),
+        add(pose.t, pose.rotate(scale(linear, by))),
+    )
 }
 
 /// Twists of A and of B.
 type Twists = [[Point; 2]; 2];
 
 fn after(frame: &Frame, [a, b]: &Twists, by: f64) -> Frame {
-    Frame {
-        a: moved(&frame.a, a[0], a[1], by),
-        b: moved(&frame.b, b[0], b[1], by),
-    }
+    Frame::new(moved(&frame.a, a[0], a[1], by), moved(&frame.b, b[0], b[1], by))
 }
 
 fn truth(a: &Shape, b: &Shape, frame: &Frame) -> f64 {
@@ -61,16 +58,10 @@ fn gradients_are_derivatives() {
     let (mut compared, mut kinks) = ([0; 4], 0);
     for _ in 0..600 {
         let (a, b) = (shapes::small(&mut rng), shapes::small(&mut rng));
-        let frame = Frame {
-            a: Pose {
-                q: rng.quat(),
-                t: rng.unit(),
-            },
-            b: Pose {
-                q: rng.quat(),
-                t: scale(rng.unit(), rng.range(0.3, 2.5)),
-            },
-        };
+        let frame = Frame::new(
+            Pose::new(rng.quat(), rng.unit()),
+            Pose::new(rng.quat(), scale(rng.unit(), rng.range(0.3, 2.5))),
+        );
         let pose = support::relative(&frame);
         let o = Tracker::new().closest(&support::body(&a), &support::body(&b), &pose);
         if o.distance.abs() < 1e-3 {
@@ -116,10 +107,7 @@ fn parallel_faces_have_one_sided_rates() {
         let (a, b) = (shapes::cube(), shapes::cuboid([0.5, 0.75, 0.25]));
         let at = [rng.int(-6, 6), rng.int(-6, 6)].map(|x| x as f64 / 8.0);
         let distance = [0.125, -0.0625][k % 2];
-        let frame = Frame {
-            a: Pose::IDENTITY,
-            b: Pose::shift([at[0], at[1], 1.25 + distance]),
-        };
+        let frame = Frame::new(Pose::IDENTITY, Pose::shift([at[0], at[1], 1.25 + distance]));
         let (body_a, body_b) = (support::body(&a), support::body(&b));
         let pose = support::relative(&frame);
         let mut options = ManifoldOptions::default().prediction(1.0);
@@ -149,10 +137,7 @@ fn concentric_bodies_have_one_sided_rates() {
     let mut differ = 0;
     for _ in 0..100 {
         let cube = shapes::cube();
-        let at = Frame {
-            a: Pose::IDENTITY,
-            b: Pose::IDENTITY,
-        };
+        let at = Frame::new(Pose::IDENTITY, Pose::IDENTITY);
         let body = support::body(&cube);
         let pose = support::relative(&at);
         let o = Tracker::new().closest(&body, &body, &pose);

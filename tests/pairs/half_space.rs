@@ -41,7 +41,7 @@ fn heights_and_contacts_are_those_of_a_scan() {
             rng.quat()
         };
         let aside = scale(rng.unit(), by * rng.range(0.0, 3.0));
-        let mut pose = Pose { q, t: aside };
+        let mut pose = Pose::new(q, aside);
         let all = heights(&body, &pose, normal, offset);
         let least = all.iter().copied().fold(f64::INFINITY, f64::min);
         let goal = by * [-0.1, -1e-4, 0.0, 1e-4, 0.3][rng.below(5)];

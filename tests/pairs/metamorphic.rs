@@ -21,16 +21,10 @@ fn scene(seed: u64) -> (Shape, Shape, Frame) {
     let t = truth::pose::scale(rng.unit(), reach);
     let turned = |rng: &mut Rng| if rng.chance(0.3) { Pose::IDENTITY.q } else { rng.quat() };
     let at = truth::pose::scale(rng.unit(), 2.0);
-    let frame = Frame {
-        a: Pose {
-            q: turned(&mut rng),
-            t: at,
-        },
-        b: Pose {
-            q: turned(&mut rng),
-            t: truth::pose::add(at, t),
-        },
-    };
+    let frame = Frame::new(
+        Pose::new(turned(&mut rng), at),
+        Pose::new(turned(&mut rng), truth::pose::add(at, t)),
+    );
     (a, b, frame)
 }
 
@@ -107,9 +101,9 @@ proptest! {
         // Multiples of 2^-20 and a shift by a round number add without rounding.
         let round = |t: Point| t.map(|x| (x * 1_048_576.0).round() / 1_048_576.0);
         let shift = [f64::from(far) * 65_536.0, 1024.0, -3.0 * f64::from(far)];
-        let here = Frame { a: Pose { t: round(frame.a.t), ..frame.a }, b: Pose { t: round(frame.b.t), ..frame.b } };
+        let here = Frame::new(Pose { t: round(frame.a.t), ..frame.a }, Pose { t: round(frame.b.t), ..frame.b });
         let there = |p: &Pose| Pose { t: truth::pose::add(p.t, shift), ..*p };
-        let there = Frame { a: there(&here.a), b: there(&here.b) };
+        let there = Frame::new(there(&here.a), there(&here.b));
         for (x, y) in ask(&a, &b, &relative(&here)).iter().zip(&ask(&a, &b, &relative(&there))) {
             prop_assert_eq!(x, y);
         }
@@ -130,7 +124,7 @@ proptest! {
     fn a_common_motion_leaves_the_distance(seed: u64) {
         let (a, b, frame) = scene(seed);
         let mut rng = Rng::new(seed ^ 1);
-        let common = Pose { q: rng.quat(), t: truth::pose::scale(rng.unit(), 100.0) };
+        let common = Pose::new(rng.quat(), truth::pose::scale(rng.unit(), 100.0));
         let moved = frame.moved(&common);
         // The motion is rounded far from the origin: a unit in the last place of 100 moves a body
         // by 1.4e-14.

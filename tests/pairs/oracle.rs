@@ -183,13 +183,7 @@ fn touching_is_found() {
         let mut warm = Tracker::new();
         for _ in 0..4 {
             let shift = std::array::from_fn(|_| rng.int(-3, 3) as f64);
-            let frame = Frame {
-                a: Pose::IDENTITY,
-                b: Pose {
-                    q: *rng.pick(&quarter),
-                    t: shift,
-                },
-            };
+            let frame = Frame::new(Pose::IDENTITY, Pose::new(*rng.pick(&quarter), shift));
             seen[pair.ask(&frame, &mut warm) as usize] += 1;
         }
     }

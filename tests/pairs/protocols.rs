@@ -34,18 +34,15 @@ fn share(totals: &TrackerWork) -> f64 {
 /// axis.
 fn nearly_parallel(rng: &mut Rng) -> Pose {
     let t = [rng.range(-4.0, 4.0), rng.range(-4.0, 4.0), 4.0];
-    Pose {
-        q: quat(rng.unit(), (-rng.range(0.0, 20.0)).exp()),
-        t,
-    }
+    Pose::new(quat(rng.unit(), (-rng.range(0.0, 20.0)).exp()), t)
 }
 
 fn middle(a: &Pose, b: &Pose) -> Pose {
     let half = |x: f64, y: f64| 0.5 * (x + y);
-    Pose {
-        q: truth::pose::unit_quat(std::array::from_fn(|i| half(a.q[i], b.q[i]))),
-        t: std::array::from_fn(|i| half(a.t[i], b.t[i])),
-    }
+    Pose::new(
+        truth::pose::unit_quat(std::array::from_fn(|i| half(a.q[i], b.q[i]))),
+        std::array::from_fn(|i| half(a.t[i], b.t[i])),
+    )
 }
 
 /// Bisects between two poses until the features change between poses that `f64` cannot separate.
@@ -129,10 +126,7 @@ fn sinusoid(rng: &mut Rng, frames: usize, degrees: f64) -> Vec<Pose> {
     let frame = |i: usize| {
         let theta = (degrees * i as f64).to_radians();
         let swing = |k: usize| 0.7 * (theta + phase[k]).cos();
-        Pose {
-            q: quat(axis, theta),
-            t: [4.2 + swing(0), swing(1), swing(2)],
-        }
+        Pose::new(quat(axis, theta), [4.2 + swing(0), swing(1), swing(2)])
     };
     (0..frames).map(frame).collect()
 }

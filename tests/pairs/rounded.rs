@@ -42,10 +42,7 @@ fn signed_distances_are_those_of_the_cores_less_the_radii() {
             rng.log_range(1e-3, 1.0),
             if rng.chance(0.2) { 0.0 } else { rng.log_range(1e-3, 1.0) },
         ];
-        let pose_b = Pose {
-            q: rng.quat(),
-            t: truth::pose::scale(rng.unit(), rng.range(0.0, 4.0)),
-        };
+        let pose_b = Pose::new(rng.quat(), truth::pose::scale(rng.unit(), rng.range(0.0, 4.0)));
         let pose = support::between(&Pose::IDENTITY, &pose_b);
         let [a, b] = [0, 1].map(|k| rounded(&cores[k], radii[k]));
         let truth = exact::solve(Body::from(&cores[0]), &Pose::IDENTITY, Body::from(&cores[1]), &pose_b);
@@ -218,11 +215,7 @@ fn mass_box_and_ball_agree_with_containment() {
     let mut rng = Rng::new(1602);
     for shape in kinds() {
         let (_, radius) = shape.bounding_ball();
-        let turned = Pose {
-            q: rng.quat(),
-            t: rng.in_ball(),
-        }
-        .isometry();
+        let turned = Pose::new(rng.quat(), rng.in_ball()).isometry();
         let (low, high) = shape.aabb_at(&turned, &mut Default::default());
         let (n, mut inside, mut far) = (if shape.mass().is_some() { 200_000 } else { 20_000 }, 0, [f64::MAX; 6]);
         let (mut first, mut second) = (Vector3::zeros(), Matrix3::zeros());

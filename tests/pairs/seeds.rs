@@ -29,7 +29,7 @@ fn small_bodies(rng: &mut Rng) -> Vec<Shape> {
 
 /// Returns poses of every kind for a pair: separated, near, touching at the origin's planes, deep.
 fn poses(rng: &mut Rng) -> Vec<(Pose, Pose)> {
-    let at = |q, t| (Pose::IDENTITY, Pose { q, t });
+    let at = |q, t| (Pose::IDENTITY, Pose::new(q, t));
     let upright = Pose::IDENTITY.q;
     vec![
         at(upright, [0.0, 0.0, 2.0]),
@@ -40,14 +40,8 @@ fn poses(rng: &mut Rng) -> Vec<(Pose, Pose)> {
         at(rng.quat(), truth::pose::scale(rng.unit(), 2.5)),
         at(rng.quat(), truth::pose::scale(rng.unit(), 1.5)),
         (
-            Pose {
-                q: rng.quat(),
-                t: rng.unit(),
-            },
-            Pose {
-                q: rng.quat(),
-                t: [3.0, -1.0, 2.0],
-            },
+            Pose::new(rng.quat(), rng.unit()),
+            Pose::new(rng.quat(), [3.0, -1.0, 2.0]),
         ),
     ]
 }

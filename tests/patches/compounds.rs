@@ -10,6 +10,7 @@ use lin_canny::{
 use truth::pose::{add, scale, sub};
 use truth::rational::{exact, placed, rounded};
 use truth::rng::Rng;
+use truth::support::piece_at;
 use truth::{Point, Pose};
 
 use crate::bodies::{bumpy, place, pose};
@@ -21,10 +22,10 @@ fn body(rng: &mut Rng, k: usize) -> Compound {
     let piece = |i: usize| {
         let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * rng.range(0.0, 3.0));
         let at = Vector3::from(rng.unit()) * rng.range(0.0, 0.8);
-        Piece {
-            pose: Isometry3::from_parts(at.into(), turn),
-            ..Piece::new(shapes[(k + i) % shapes.len()].clone())
-        }
+        piece_at(
+            Isometry3::from_parts(at.into(), turn),
+            shapes[(k + i) % shapes.len()].clone(),
+        )
     };
     Compound::new((0..3).map(piece).collect()).expect("a body")
 }
@@ -190,16 +191,10 @@ fn a_rotated_piece_far_from_its_origin_is_measured_with_its_rounding() {
             })
             .collect();
         let q = rng.quat();
-        let turned = Pose { q, t: [0.0; 3] }.rotate(centre);
-        let at = Pose {
-            q,
-            t: sub([0.0, 0.0, rng.range(0.5, 0.8)], turned),
-        };
+        let turned = Pose::new(q, [0.0; 3]).rotate(centre);
+        let at = Pose::new(q, sub([0.0, 0.0, rng.range(0.5, 0.8)], turned));
         let body = ConvexPolyhedron::from_points(&corners.iter().map(|p| Point3::from(*p)).collect::<Vec<_>>());
-        let piece = Piece {
-            pose: at.isometry(),
-            ..Piece::new(body.expect("a box"))
-        };
+        let piece = piece_at(at.isometry(), body.expect("a box"));
         let body = Compound::new(vec![piece]).expect("a piece");
         let stored = Pose {
             q: body.pieces()[0].pose.rotation.coords.into(),

@@ -3,8 +3,9 @@
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::surface::{BezierPatch, BezierSurface};
-use lin_canny::{Compound, Decision, PairTracker, Piece, QueryOptions, Shape};
+use lin_canny::{Compound, Decision, PairTracker, QueryOptions, Shape};
 use truth::rng::Rng;
+use truth::support::piece_at;
 
 use crate::bodies::{place, pose, sphere};
 use crate::random::{KINDS, surface};
@@ -119,10 +120,7 @@ fn surfaces_and_bodies_of_pieces_share_a_tracker() {
         let [a, c] = two(&mut rng);
         let bodies: [Compound; 2] = std::array::from_fn(|n| {
             let count = 1 + rng.below(3) + n;
-            let pieces = (0..count).map(|_| Piece {
-                pose: place(&mut rng, 0.8),
-                ..Piece::new(two_shapes(&mut rng)[1].clone())
-            });
+            let pieces = (0..count).map(|_| piece_at(place(&mut rng, 0.8), two_shapes(&mut rng)[1].clone()));
             Compound::new(pieces.collect()).expect("a body")
         });
         let [b, d] = &bodies;

@@ -10,10 +10,10 @@ use truth::soups::Soup;
 
 /// Returns what a mesh kept: without repeated triangles and those without area.
 fn kept(mesh: &Mesh) -> Soup {
-    Soup {
-        points: mesh.vertices().into_iter().map(Into::into).collect(),
-        triangles: mesh.triangle_vertices(),
-    }
+    Soup::new(
+        mesh.vertices().into_iter().map(Into::into).collect(),
+        mesh.triangle_vertices(),
+    )
 }
 
 /// What points of meshes cost, and how many of them are outside, on and inside.

@@ -1,13 +1,14 @@
 //! Grids: the error of a cell bounds what interpolation does anywhere in the cell.
 
 use std::ops::ControlFlow;
+use truth::support::piece_at;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
-    Cloud, CloudElement, Compound, ConvexPolyhedron, DistanceGrid, Geometry, HalfSpace, Mesh, Piece, PointError,
-    PointQuery, Progress, Shape, WithProgress,
+    Cloud, CloudElement, Compound, ConvexPolyhedron, DistanceGrid, Geometry, HalfSpace, Mesh, PointError, PointQuery,
+    Progress, Shape, WithProgress,
 };
 use truth::rng::Rng;
 
@@ -115,9 +116,11 @@ fn geometries() -> Vec<(&'static str, Geometry)> {
     ];
     let corners = corners.concat().into_iter().map(Point3::from).collect::<Vec<_>>();
     let patch = BezierPatch::polynomial([1, 1], &corners).expect("a patch");
-    let piece = |p: &Point3<f64>| Piece {
-        pose: Isometry3::new(p.coords, p.coords),
-        ..Piece::new(solids::icosahedron(0.3).expect("a body"))
+    let piece = |p: &Point3<f64>| {
+        piece_at(
+            Isometry3::new(p.coords, p.coords),
+            solids::icosahedron(0.3).expect("a body"),
+        )
     };
     let floor = HalfSpace::new(Vector3::new(0.6, 0.0, 0.8), 0.25).expect("a half-space");
     vec![

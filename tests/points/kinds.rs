@@ -1,11 +1,12 @@
 use std::f64::consts::SQRT_2;
+use truth::support::piece_at;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
-    Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, Geometry, HalfSpace, Mesh, Piece, PointOutcome,
-    PointQuery, Shape,
+    Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, Geometry, HalfSpace, Mesh, PointOutcome, PointQuery,
+    Shape,
 };
 use truth::driven::exact_place::Place;
 use truth::near_points::{POINT_KINDS, hard_point, is_between, is_between_of, place};
@@ -192,10 +193,8 @@ fn unions_have_the_side_and_the_distance_of_their_members() {
                 .map(|s| (p.coords - s).norm() - 0.75 * size)
                 .fold(f64::INFINITY, f64::min)
         };
-        let piece = |shape: Shape, shift: &Vector3<f64>| Piece {
-            pose: Isometry3::translation(shift.x, shift.y, shift.z),
-            ..Piece::new(shape)
-        };
+        let piece =
+            |shape: Shape, shift: &Vector3<f64>| piece_at(Isometry3::translation(shift.x, shift.y, shift.z), shape);
         let boxes: Vec<_> = shifts.iter().map(|s| piece(Shape::from(die.clone()), s)).collect();
         let balls: Vec<_> = shifts.iter().map(|s| piece(ball.clone(), s)).collect();
         let half = Vector3::repeat(size);
@@ -312,9 +311,11 @@ fn near_subshapes_are_those_of_a_search_of_all() {
     judge_near(&PointQuery::new(&cloud), at.len(), &own, "cloud");
     let voxels = Cloud::new(&at[..50], CloudElement::Box(Vector3::repeat(0.25))).expect("a cloud");
     judge_near(&PointQuery::new(&voxels), 50, &own, "voxels");
-    let piece = |p: &Point3<f64>| Piece {
-        pose: Isometry3::new(p.coords, p.coords),
-        ..Piece::new(solids::icosahedron(0.2).expect("a body"))
+    let piece = |p: &Point3<f64>| {
+        piece_at(
+            Isometry3::new(p.coords, p.coords),
+            solids::icosahedron(0.2).expect("a body"),
+        )
     };
     let compound = Compound::new(at[..30].iter().map(piece).collect()).expect("pieces");
     judge_near(&PointQuery::new(&compound), 30, &own, "compound");
@@ -324,10 +325,10 @@ fn near_subshapes_are_those_of_a_search_of_all() {
 
 /// A polyhedron as triangles.
 fn soup_of(body: &ConvexPolyhedron) -> Soup {
-    Soup {
-        points: body.vertex_points().map(Into::into).collect(),
-        triangles: body.triangles().map(|t| t.map(|v| v.index() as u32)).collect(),
-    }
+    Soup::new(
+        body.vertex_points().map(Into::into).collect(),
+        body.triangles().map(|t| t.map(|v| v.index() as u32)).collect(),
+    )
 }
 
 #[test]
@@ -399,7 +400,7 @@ fn near_triangles_and_faces_have_the_distances_of_exact_arithmetic() {
                             .map(<[f64; 3]>::from),
                     );
                     let triangles = (1..rim.len() as u32 - 1).map(|k| [0, k, k + 1]).collect();
-                    let own = Soup { points: rim, triangles };
+                    let own = Soup::new(rim, triangles);
                     assert!(is_between(&own, p, found.lower, found.upper), "{told}: {found:?}");
                     let size = soup.radius() + found.upper;
                     assert!(found.upper - found.lower <= 2e-14 * size, "{told}: {found:?}");
@@ -416,10 +417,7 @@ fn equally_near_subshapes_are_in_the_order_of_their_indices() {
     let middle = Point3::new(1.0, 1.0, 1.0);
     let cloud = Cloud::new(&corners, CloudElement::Ball(0.5)).expect("a cloud");
     let voxels = Cloud::new(&corners, CloudElement::Box(Vector3::repeat(0.5))).expect("a cloud");
-    let piece = |p: &Point3<f64>| Piece {
-        pose: Isometry3::translation(p.x, p.y, p.z),
-        ..Piece::new(Shape::ball(0.5).expect("a ball"))
-    };
+    let piece = |p: &Point3<f64>| piece_at(Isometry3::translation(p.x, p.y, p.z), Shape::ball(0.5).expect("a ball"));
     let balls = Compound::new(corners.iter().map(piece).collect()).expect("pieces");
     let die = solids::cuboid(Vector3::repeat(1.0)).expect("a box");
     let mesh = Mesh::from_convex(&die).expect("a mesh");

@@ -83,34 +83,23 @@ fn below(folder: &str) -> Vec<Source> {
 }
 
 /// The top-level modules, lowest first, and the layers of those with several.
-const ROOMS: &[(&str, &[&str])] = &[
-    ("base", &["tolerance", "callbacks", "num", "pose", "motion"]),
-    ("body", &["polyhedron", "shape"]),
-    ("pair", &["soundness"]),
+const ROOMS: &[(&str, &str)] = &[
+    ("base", "tolerance callbacks num pose motion"),
+    ("body", "polyhedron shape"),
+    ("pair", "soundness"),
     (
         "convex",
-        &[
-            "walk",
-            "minimum",
-            "exact",
-            "solve",
-            "depth",
-            "contact",
-            "replay",
-            "tracker",
-            "smooth",
-            "shape_tracker",
-        ],
+        "walk minimum exact solve depth contact replay tracker smooth shape_tracker",
     ),
-    ("time", &["separation", "impact", "schedule"]),
-    ("nonconvex", &[]),
-    ("surface", &[]),
-    ("half_space", &[]),
-    ("pair_tracker", &["geometry"]),
-    ("point", &["cover"]),
-    ("ray", &[]),
-    ("broad", &[]),
-    ("scene", &[]),
+    ("time", "separation impact schedule"),
+    ("nonconvex", ""),
+    ("surface", ""),
+    ("half_space", ""),
+    ("pair_tracker", "geometry"),
+    ("point", "cover"),
+    ("ray", ""),
+    ("broad", ""),
+    ("scene", ""),
 ];
 
 /// Returns the path of a file or of a module, starting at its layer.
@@ -119,10 +108,13 @@ fn layer_of(path: &str) -> &str {
         return path;
     };
     let layer = rest.split(['/', '.']).next().unwrap_or("");
-    let stands = ROOMS
-        .iter()
-        .any(|(name, layers)| *name == room && layers.contains(&layer));
+    let stands = ROOMS.iter().any(|(name, layers)| *name == room && lists(layers, layer));
     if stands { rest } else { path }
+}
+
+/// Returns whether a word is one of a list with blanks between.
+fn lists(words: &str, word: &str) -> bool {
+    words.split_whitespace().any(|other| other == word)
 }
 
 /// Fails with the whole list if it is not empty.
@@ -180,348 +172,9 @@ fn lengths_are_listed() {
 
 /// The modules of the crate that the code of a folder may use, lowest layer first. A file without a
 /// row fails the test.
-const MAY_USE: &[(&str, &[&str])] = &[
-    ("tolerance", &[]),
-    ("callbacks", &["callbacks"]),
-    ("num", &["tolerance", "num"]),
-    ("pose", &["callbacks", "tolerance", "num"]),
-    // Poses, velocities and displacements: no shape.
-    ("motion", &["tolerance", "num", "pose", "motion"]),
-    // The box of a posed polyhedron rotates by the matrix of a pose.
-    ("polyhedron", &["callbacks", "tolerance", "num", "pose", "polyhedron"]),
-    // Geometry alone: cores, radii, supports.
-    ("shape", &["tolerance", "num", "pose", "polyhedron", "shape"]),
-    // Two posed shapes, the outcome and the certificate: no solver.
-    ("pair", &["tolerance", "num", "pose", "polyhedron", "pair"]),
-    ("soundness", &["tolerance", "num", "pose", "polyhedron", "pair"]),
-    // The walk uses no solver.
-    ("walk", &["tolerance", "num", "pose", "polyhedron", "pair", "walk"]),
-    (
-        "minimum",
-        &["tolerance", "num", "pose", "polyhedron", "pair", "minimum"],
-    ),
-    ("exact", &["tolerance", "num", "pose", "polyhedron", "pair", "exact"]),
-    (
-        "solve",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "polyhedron",
-            "pair",
-            "walk",
-            "minimum",
-            "exact",
-            "solve",
-        ],
-    ),
-    // Depth uses neither the walk nor the solver ladder: an overlap is proven before.
-    (
-        "depth",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "polyhedron",
-            "pair",
-            "minimum",
-            "exact",
-            "depth",
-        ],
-    ),
-    // Contacts start from an outcome, of any solver.
-    (
-        "contact",
-        &["tolerance", "num", "pose", "motion", "polyhedron", "pair", "contact"],
-    ),
-    (
-        "replay",
-        &["tolerance", "num", "pose", "polyhedron", "pair", "depth", "shape"],
-    ),
-    // The state of one pair between queries, and the choice of the solver.
-    (
-        "tracker",
-        &[
-            "callbacks",
-            "tolerance",
-            "num",
-            "pose",
-            "polyhedron",
-            "pair",
-            "walk",
-            "minimum",
-            "exact",
-            "solve",
-            "depth",
-            "contact",
-            "soundness",
-            "replay",
-            "tracker",
-        ],
-    ),
-    // Solvers for curved cores, with the simplices and transforms of the minimum-norm solver.
-    (
-        "smooth",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "polyhedron",
-            "pair",
-            "minimum",
-            "shape",
-            "smooth",
-        ],
-    ),
-    // The state of a pair of shapes between queries: a tracker of cores, or the state of the curved
-    // solver.
-    (
-        "shape_tracker",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "polyhedron",
-            "pair",
-            "exact",
-            "contact",
-            "shape",
-            "replay",
-            "tracker",
-            "smooth",
-        ],
-    ),
-    // A pair of any shapes over time: the separating plane uses no shape, the pair of polyhedra a
-    // tracker.
-    (
-        "separation",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "motion",
-            "polyhedron",
-            "pair",
-            "minimum",
-            "shape",
-            "tracker",
-            "shape_tracker",
-            "separation",
-        ],
-    ),
-    // Time of impact: motions and the interface of a pair, no shape.
-    (
-        "impact",
-        &[
-            "callbacks",
-            "tolerance",
-            "num",
-            "pose",
-            "motion",
-            "pair",
-            "separation",
-            "impact",
-        ],
-    ),
-    // Ids, ticks and bounds only.
-    ("schedule", &["tolerance"]),
-    // Meshes and compounds: trackers query their leaves.
-    (
-        "nonconvex",
-        &[
-            "callbacks",
-            "tolerance",
-            "num",
-            "pose",
-            "motion",
-            "polyhedron",
-            "pair",
-            "exact",
-            "contact",
-            "shape",
-            "tracker",
-            "shape_tracker",
-            "separation",
-            "impact",
-            "nonconvex",
-        ],
-    ),
-    // Curved surfaces: nets, with the minimum-norm solver on their points; meshes are converted
-    // too.
-    (
-        "surface",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "motion",
-            "polyhedron",
-            "pair",
-            "minimum",
-            "shape",
-            "shape_tracker",
-            "separation",
-            "nonconvex",
-            "surface",
-        ],
-    ),
-    // A half-space and a body of any kind: one support point.
-    (
-        "half_space",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "polyhedron",
-            "shape",
-            "pair",
-            "contact",
-            "separation",
-            "nonconvex",
-            "surface",
-            "half_space",
-        ],
-    ),
-    // A geometry of any kind.
-    (
-        "geometry",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "polyhedron",
-            "shape",
-            "contact",
-            "nonconvex",
-            "surface",
-            "half_space",
-            "geometry",
-        ],
-    ),
-    // The state of a pair of any two kinds.
-    (
-        "pair_tracker",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "motion",
-            "polyhedron",
-            "pair",
-            "contact",
-            "shape",
-            "replay",
-            "tracker",
-            "shape_tracker",
-            "separation",
-            "impact",
-            "nonconvex",
-            "surface",
-            "half_space",
-            "geometry",
-            "pair_tracker",
-        ],
-    ),
-    (
-        "point",
-        &[
-            "callbacks",
-            "tolerance",
-            "num",
-            "pose",
-            "polyhedron",
-            "shape",
-            "pair",
-            "nonconvex",
-            "geometry",
-            "pair_tracker",
-            "point",
-        ],
-    ),
-    // Distances of points, and half-spaces that touch a body; no other pair.
-    (
-        "cover",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "polyhedron",
-            "pair",
-            "contact",
-            "geometry",
-            "point",
-            "cover",
-        ],
-    ),
-    (
-        "ray",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "motion",
-            "polyhedron",
-            "pair",
-            "exact",
-            "contact",
-            "separation",
-            "impact",
-            "nonconvex",
-            "geometry",
-            "pair_tracker",
-            "ray",
-        ],
-    ),
-    ("broad", &["tolerance", "num", "broad"]),
-    (
-        "scene",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "motion",
-            "polyhedron",
-            "pair",
-            "contact",
-            "shape",
-            "tracker",
-            "shape_tracker",
-            "separation",
-            "impact",
-            "schedule",
-            "nonconvex",
-            "surface",
-            "geometry",
-            "pair_tracker",
-            "ray",
-            "broad",
-            "scene",
-        ],
-    ),
-    // Pages of the documentation.
-    ("guide", &[]),
-    // Kernels of every layer for the tests of their error bounds (feature `proofs`).
-    (
-        "__proofs",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "motion",
-            "polyhedron",
-            "shape",
-            "pair",
-            "walk",
-            "minimum",
-            "solve",
-            "depth",
-            "smooth",
-            "separation",
-            "nonconvex",
-            "surface",
-        ],
-    ),
-];
+fn may_use() -> Vec<[String; 2]> {
+    truth::rows::rows(include_str!("layers.txt"), "may use")
+}
 
 /// There are at most ten top-level modules, and no layer is in a module above the modules that use
 /// it.
@@ -546,14 +199,12 @@ fn rooms_stand_in_order() {
     let room_of = |layer: &str| {
         ROOMS
             .iter()
-            .position(|(name, layers)| *name == layer || layers.contains(&layer))
+            .position(|(name, layers)| *name == layer || lists(layers, layer))
     };
-    let told = MAY_USE
-        .iter()
-        .map(|(name, _)| *name)
-        .filter(|name| !["guide", "__proofs"].contains(name));
-    let order: Vec<_> = told
-        .map(|name| room_of(name).unwrap_or_else(|| panic!("`{name}` stands in no room")))
+    let layers = may_use().into_iter().map(|[name, _]| name);
+    let order: Vec<_> = layers
+        .filter(|name| !["guide", "__proofs"].contains(&name.as_str()))
+        .map(|name| room_of(&name).unwrap_or_else(|| panic!("`{name}` stands in no room")))
         .collect();
     assert!(order.is_sorted(), "{order:?}");
 }
@@ -578,10 +229,11 @@ fn layers_told() -> Vec<String> {
 /// A layer uses only the layers before it, and ARCHITECTURE.md lists them in this order.
 #[test]
 fn layers_stand_in_order() {
-    let names: Vec<&str> = MAY_USE.iter().map(|(name, _)| *name).collect();
-    for (k, (name, uses)) in MAY_USE.iter().enumerate() {
-        for layer in *uses {
-            let at = names.iter().position(|n| n == layer);
+    let layers = may_use();
+    let names: Vec<&str> = layers.iter().map(|[name, _]| name.as_str()).collect();
+    for (k, [name, uses]) in layers.iter().enumerate() {
+        for layer in uses.split_whitespace() {
+            let at = names.iter().position(|n| *n == layer);
             assert!(
                 at.is_some_and(|at| at <= k),
                 "`{name}` stands before `{layer}`, and uses it"
@@ -594,8 +246,9 @@ fn layers_stand_in_order() {
 #[test]
 fn data_flows_one_way() {
     let mut found = Vec::new();
+    let layers = may_use();
     for s in sources() {
-        let is_room = |(room, layers): &(&str, &[&str])| !layers.is_empty() && s.name == format!("{room}/mod.rs");
+        let is_room = |(room, layers): &(&str, &str)| !layers.is_empty() && s.name == format!("{room}/mod.rs");
         if s.name == "lib.rs"
             || ROOMS
                 .iter()
@@ -603,7 +256,7 @@ fn data_flows_one_way() {
         {
             continue;
         }
-        let Some((_, allowed)) = MAY_USE.iter().find(|(folder, _)| s.is_in(folder)) else {
+        let Some([_, allowed]) = layers.iter().find(|[folder, _]| s.is_in(folder)) else {
             found.push(format!("{}: in no layer", s.name));
             continue;
         };
@@ -616,7 +269,7 @@ fn data_flows_one_way() {
                 // Types named at the root are those of bodies and poses; a higher layer is never
                 // one of them.
                 let root = module.is_empty() || module.starts_with(char::is_uppercase);
-                if root || !allowed.contains(&module.as_str()) {
+                if root || !lists(allowed, &module) {
                     found.push(format!("{}:{k}: {}", s.name, line.trim()));
                 }
             }

@@ -5,99 +5,6 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Blocks of commands that no test runs: page, number of blocks, and the reason that stands above each.
-const NOT_RUN: &[(&str, usize, &str)] = &[
-    ("CONTRIBUTING.md", 1, "lists tests, which change"),
-    ("CONTRIBUTING.md", 1, "needs 35 minutes, and runs this test"),
-    ("CONTRIBUTING.md", 1, "needs a nightly toolchain and minutes"),
-    ("CONTRIBUTING.md", 1, "needs an hour; `.ci/run` runs a minute of it"),
-    ("CONTRIBUTING.md", 1, "needs cargo-mutants and hours"),
-    ("CONTRIBUTING.md", 1, "needs minutes; `.ci/run` runs these tests"),
-    (
-        "crates/capi/README.md",
-        1,
-        "needs an installed library; `.ci/capi` links programs so",
-    ),
-    ("crates/capi/README.md", 2, "needs CMake; `.ci/capi` runs it"),
-    ("crates/cli/README.md", 1, "needs a build of the tool; the tests run it"),
-    (
-        "crates/python/README.md",
-        1,
-        "needs a build of the package; `.ci/python` installs its wheel",
-    ),
-    (
-        "crates/python/docs/pages.md",
-        1,
-        "needs a build of the workspace; `.ci/page` runs the example",
-    ),
-    (
-        "crates/record/README.md",
-        1,
-        "needs a build of the workspace; `.ci/page` runs the example",
-    ),
-    (
-        "crates/rerun/README.md",
-        1,
-        "needs a workspace of its own and the viewer; `.ci/rerun` runs its tests",
-    ),
-    (
-        "crates/robot/README.md",
-        1,
-        "needs a build of the workspace; `.ci/examples` compares the lines, without the times",
-    ),
-    (
-        "crates/study/README.md",
-        1,
-        "needs a workspace of its own; `.ci/study` runs both commands on 1,000 rows",
-    ),
-    (
-        "crates/study/README.md",
-        1,
-        "needs a workspace of its own; the tests of the package run such queries",
-    ),
-    (
-        "crates/study/docs/cluster.md",
-        1,
-        "needs several machines; the tests of the package run a cluster of processes",
-    ),
-    (
-        "crates/study/docs/functions.md",
-        3,
-        "needs a workspace of its own; the tests of the package run such queries",
-    ),
-    (
-        "docs/studies.md",
-        1,
-        "needs Python with Ray; `crates/python/tests/test_examples.py` runs both programs",
-    ),
-    (
-        "docs/studies.md",
-        1,
-        "needs the study, a workspace of its own; `.ci/study` runs these commands",
-    ),
-    (
-        "fuzz/README.md",
-        1,
-        "needs a nightly toolchain and minutes; `.ci/fuzz` runs all targets",
-    ),
-    (
-        "fuzz/README.md",
-        1,
-        "needs a nightly toolchain and minutes; `.ci/nightly` runs it for less",
-    ),
-    ("fuzz/README.md", 1, "needs cargo-fuzz and minutes"),
-    (
-        "lab/referee/README.md",
-        1,
-        "needs a build of the package; `.ci/python` judges lin-canny with it",
-    ),
-    (
-        "tests/CASES.md",
-        1,
-        "needs a build of the workspace; the tests of the package draw suites",
-    ),
-];
-
 /// Pages whose commands are long measurements, or of their day.
 const ELSEWHERE: [&str; 4] = [
     "BENCHMARKS.md",
@@ -221,13 +128,12 @@ fn blocks_that_are_not_run_are_listed_with_their_reason() {
             *found.entry((page.clone(), reason.to_owned())).or_default() += 1;
         }
     }
-    let listed = NOT_RUN
-        .iter()
-        .map(|(page, count, reason)| ((page.to_string(), reason.to_string()), *count));
+    let listed = truth::rows::rows(include_str!("not_run.txt"), "not run").into_iter();
+    let listed = listed.map(|[page, count, reason]| ((page, reason), count.parse().expect("a count")));
     assert_eq!(
         found,
         listed.collect(),
-        "the blocks of the pages, and those of `NOT_RUN`"
+        "the blocks of the pages, and those of `not_run.txt`"
     );
     assert!(run >= 8, "only {run} blocks are run");
 }

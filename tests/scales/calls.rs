@@ -12,11 +12,12 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
     Compound, ConvexPatches, DepthMode, Distance, Geometry, GeometryRef, HalfSpace, Manifold, ManifoldOptions, Mesh,
-    PairTracker, Piece, QueryOptions, RelativePose, Shape, Tracker,
+    PairTracker, QueryOptions, RelativePose, Shape, Tracker,
 };
 use truth::rng::Rng;
 use truth::shapes;
 use truth::support::body;
+use truth::support::piece_at;
 
 const CASES: u64 = 2;
 
@@ -407,10 +408,7 @@ fn fits(scene: &mut Scene, rng: &mut Rng) {
 }
 
 fn compound(scene: &Scene, rng: &mut Rng) -> Compound {
-    let pieces = (0..3).map(|_| Piece {
-        pose: scene.place(rng, 0.8),
-        ..Piece::new(scene.round(rng, 12))
-    });
+    let pieces = (0..3).map(|_| piece_at(scene.place(rng, 0.8), scene.round(rng, 12)));
     Compound::new(pieces.collect()).expect("a compound")
 }
 

@@ -11,6 +11,7 @@ use lin_canny::{
 };
 use std::sync::Arc;
 use truth::rng::Rng;
+use truth::support::piece_at;
 
 const D: f64 = 0.2;
 
@@ -349,9 +350,11 @@ fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
     let mut scene = Scene::new();
     scene.set_queries(ALL, ALL, NONE.manifold(options)).unwrap();
     let half = Vector3::new(4.0, 4.0, 0.5);
-    let tile = |x: f64| Piece {
-        pose: Isometry3::translation(x, 0.0, 0.0),
-        ..Piece::new(Shape::cuboid(Vector3::new(2.0, 4.0, 0.5)).unwrap())
+    let tile = |x: f64| {
+        piece_at(
+            Isometry3::translation(x, 0.0, 0.0),
+            Shape::cuboid(Vector3::new(2.0, 4.0, 0.5)).unwrap(),
+        )
     };
     let mesh = Arc::new(Mesh::from_convex(&solids::cuboid(half).unwrap()).unwrap());
     let tiles = Arc::new(Compound::new(vec![tile(-2.0), tile(2.0)]).unwrap());

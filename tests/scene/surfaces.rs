@@ -5,9 +5,10 @@ use crate::{ALL, NONE, read_back};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, PairQueries, Scene, SceneError};
-use lin_canny::{Compound, ContactState, Feature, Geometry, GeometryKind, Mesh, Piece, Shape, Velocity};
+use lin_canny::{Compound, ContactState, Feature, Geometry, GeometryKind, Mesh, Shape, Velocity};
 use truth::forms::sphere;
 use truth::rng::Rng;
+use truth::support::piece_at;
 
 const D: f64 = 0.2;
 const FAR: f64 = 0.5;
@@ -200,10 +201,7 @@ fn impacts_of_surfaces_are_found() {
 /// Two balls as one body next to a shell, inserted before the shell and after it.
 #[test]
 fn bodies_of_pieces_stand_beside_surfaces() {
-    let ball = |x: f64| Piece {
-        pose: Isometry3::translation(x, 0.0, 0.0),
-        ..Piece::new(Shape::ball(0.25).unwrap())
-    };
+    let ball = |x: f64| piece_at(Isometry3::translation(x, 0.0, 0.0), Shape::ball(0.25).unwrap());
     let made = |queries: PairQueries, is_first: bool| {
         let mut scene = Scene::new();
         scene.set_queries(ALL, ALL, queries).unwrap();

@@ -5,9 +5,7 @@ use lin_canny::impact::Tolerance;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{
-    Compound, ContactState, Geometry, HalfSpace, PairTracker, Piece, RelativePose, Shape, Tracker, Velocity,
-};
+use lin_canny::{Compound, ContactState, Geometry, HalfSpace, PairTracker, RelativePose, Shape, Tracker, Velocity};
 use lin_canny_plan::receipt::{Receipt, ReceiptError};
 use lin_canny_plan::{
     Cell, CellBody, CertifyOptions, Checker, ConfigurationSpace, Drive, Joint, JointCurve, JointKind, JointMotion,
@@ -17,6 +15,7 @@ use truth::arm::{self, motion};
 use truth::casts::{SHAPES, aimed, body, rotation};
 use truth::plans::{Ask, Furnish, bezier, cuboid};
 use truth::rng::Rng;
+use truth::support::piece_at;
 
 #[path = "../../verify/tests/support/python.rs"]
 #[allow(dead_code, reason = "the checkers' own tests use all of it")]
@@ -769,9 +768,11 @@ fn two_half_spaces_have_no_receipt_of_a_contact() {
 #[test]
 fn a_body_of_many_cylinders_has_a_receipt() {
     let rod = Shape::cylinder(0.01, 0.01).expect("a rod");
-    let piece = |k: u32| Piece {
-        pose: Isometry3::translation(0.1 * f64::from(k % 100), 0.1 * f64::from(k / 100), 0.0),
-        ..Piece::new(rod.clone())
+    let piece = |k: u32| {
+        piece_at(
+            Isometry3::translation(0.1 * f64::from(k % 100), 0.1 * f64::from(k / 100), 0.0),
+            rod.clone(),
+        )
     };
     let brush = Geometry::from(Compound::new((0..9000).map(piece).collect()).expect("a brush"));
     let die = Geometry::from(cuboid([0.5; 3]));

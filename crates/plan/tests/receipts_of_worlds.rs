@@ -11,6 +11,7 @@ use lin_canny_plan::{
 };
 use truth::plans::{Ask, Furnish, bezier};
 use truth::rng::Rng;
+use truth::support::piece_at;
 
 #[path = "../../verify/tests/support/python.rs"]
 #[allow(dead_code, reason = "the checkers' own tests use all of it")]
@@ -84,10 +85,7 @@ fn body(rng: &mut Rng, size: f64) -> Geometry {
         #[cfg(feature = "surfaces")]
         10 => surface(rng, size).into(),
         0 => {
-            let pieces = (0..2).map(|_| Piece {
-                pose: pose(rng, 0.5 * size),
-                ..Piece::new(shape(rng, 0.5 * size))
-            });
+            let pieces = (0..2).map(|_| piece_at(pose(rng, 0.5 * size), shape(rng, 0.5 * size)));
             Compound::new(pieces.collect()).expect("a compound").into()
         }
         1 => Cloud::new(&points(rng, 8), CloudElement::Ball(0.1 * size))

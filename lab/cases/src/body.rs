@@ -19,12 +19,16 @@ pub struct Body<'a> {
     pub faces: &'a [Face],
 }
 
+impl<'a> Body<'a> {
+    /// Returns the body of points and faces.
+    pub const fn new(points: &'a [Point], faces: &'a [Face]) -> Self {
+        Self { points, faces }
+    }
+}
+
 impl<'a> From<&'a Shape> for Body<'a> {
     fn from(shape: &'a Shape) -> Self {
-        Self {
-            points: &shape.points,
-            faces: &shape.faces,
-        }
+        Self::new(&shape.points, &shape.faces)
     }
 }
 

@@ -228,14 +228,8 @@ mod tests {
         for _ in 0..30 {
             let (a, b) = (shapes::sphere(&mut r, 7).solved(), shapes::sphere(&mut r, 6).solved());
             let (pa, pb) = (
-                Pose {
-                    q: r.quat(),
-                    t: [0.0; 3],
-                },
-                Pose {
-                    q: r.quat(),
-                    t: r.unit().map(|x| 1.5 * x),
-                },
+                Pose::new(r.quat(), [0.0; 3]),
+                Pose::new(r.quat(), r.unit().map(|x| 1.5 * x)),
             );
             let e = solve((&a).into(), &pa, (&b).into(), &pb);
             for _ in 0..30 {
@@ -255,10 +249,7 @@ mod tests {
             shapes::dome(8, 1e-15),
             shapes::grid(5),
         ] {
-            let pose = Pose {
-                q: r.quat(),
-                t: r.unit(),
-            };
+            let pose = Pose::new(r.quat(), r.unit());
             for n in [r.unit(), [0.0, 0.0, 1.0], pose.rotate([0.0, 0.0, 1.0])] {
                 let all = placed(&s.points, &pose);
                 let most = all.iter().map(|p| exact_dot(p, n)).max().unwrap();

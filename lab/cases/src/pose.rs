@@ -25,6 +25,11 @@ impl Pose {
         t: [0.0; 3],
     };
 
+    /// Returns a rotation, then a translation.
+    pub const fn new(q: [f64; 4], t: Point) -> Self {
+        Self { q, t }
+    }
+
     /// Returns a translation.
     pub fn shift(t: Point) -> Self {
         Self { t, ..Self::IDENTITY }

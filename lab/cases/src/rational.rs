@@ -218,10 +218,7 @@ mod tests {
     #[test]
     fn placing_is_exact_for_a_quaternion_that_is_not_unit() {
         // q = (0, 0, 3, 3) is a quarter turn about z, independent of its length.
-        let pose = Pose {
-            q: [0.0, 0.0, 3.0, 3.0],
-            t: [0.5, 0.0, 1e-30],
-        };
+        let pose = Pose::new([0.0, 0.0, 3.0, 3.0], [0.5, 0.0, 1e-30]);
         let p = placed(&[[1.0, 2.0, 3.0]], &pose);
         assert_eq!(p[0], [exact(-1.5), exact(1.0), exact(3.0) + exact(1e-30)]);
     }

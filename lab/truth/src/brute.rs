@@ -151,10 +151,7 @@ mod tests {
         let mut rng = Rng::new(7);
         let (mut zeros, mut apart) = (0, 0);
         for k in 0..3_000 {
-            let pose = Pose {
-                q: rng.quat(),
-                t: [0.3, -0.2, 0.7],
-            };
+            let pose = Pose::new(rng.quat(), [0.3, -0.2, 0.7]);
             let mut corner = |off: f64| pose.apply([rng.range(-1.0, 1.0) + off, rng.range(-1.0, 1.0), 0.0]);
             let off = [0.0, 1.0, 2.5][k % 3];
             let [p, q] = [0.0, off].map(|off| [(); 3].map(|()| corner(off)));

@@ -111,7 +111,7 @@ fn shape(v: &Value) -> Shape {
 
 fn pose(v: &Value) -> Pose {
     let q = v.get("q").map_or(Pose::IDENTITY.q, numbers::<4>);
-    Pose { q, t: numbers(&v["t"]) }
+    Pose::new(q, numbers(&v["t"]))
 }
 
 /// Returns a single case, or a frame of a motion: `at` holds poses and exact values.

@@ -95,7 +95,7 @@ impl Crowd {
     }
 
     fn add(&mut self, at: Point, home: Point, room: Point, (speed, spin): (f64, f64), rng: &mut Rng) {
-        self.poses.push(Pose { q: rng.quat(), t: at });
+        self.poses.push(Pose::new(rng.quat(), at));
         self.movers.push(Mover {
             velocity: scale(rng.unit(), speed),
             spin: quat(rng.unit(), spin),

@@ -82,10 +82,10 @@ impl LatticeMesh {
     /// Returns the mesh times a power of two, without rounding.
     pub fn soup(&self, exponent: i32) -> Soup {
         let step = 2f64.powi(exponent - 20);
-        Soup {
-            points: self.points.iter().map(|p| p.map(|x| x as f64 * step)).collect(),
-            triangles: self.triangles.clone(),
-        }
+        Soup::new(
+            self.points.iter().map(|p| p.map(|x| x as f64 * step)).collect(),
+            self.triangles.clone(),
+        )
     }
 
     /// Returns the location of a point, by exact signs.

@@ -19,6 +19,11 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// Returns the poses of A and of B.
+    pub const fn new(a: Pose, b: Pose) -> Self {
+        Self { a, b }
+    }
+
     /// Returns B's pose in A's frame, in `f64`.
     pub fn relative(&self) -> Pose {
         Pose::relative(&self.a, &self.b)
@@ -83,16 +88,10 @@ pub fn orbit_and_spin(
         let swing = 0.5 - 0.5 * (TAU * i as f64 / period as f64).cos();
         let r = radii.0 + radii.1 + gaps.0 + (gaps.1 - gaps.0) * swing;
         let t = add(scale(out, r * turn.cos()), scale(side, r * turn.sin()));
-        Frame {
-            a: Pose {
-                q: spun(qa, axis_a, turn),
-                t: [0.0; 3],
-            },
-            b: Pose {
-                q: spun(qb, axis_b, turn),
-                t,
-            },
-        }
+        Frame::new(
+            Pose::new(spun(qa, axis_a, turn), [0.0; 3]),
+            Pose::new(spun(qb, axis_b, turn), t),
+        )
     };
     (0..frames).map(frame).collect()
 }
@@ -108,17 +107,8 @@ pub fn tumble_past(rng: &mut Rng, frames: usize, degrees: f64, miss: f64, reach:
     let frame = |i: usize| {
         let turn = (degrees * i as f64).to_radians();
         let x = scale(along, reach * (2.0 * i as f64 / (frames - 1).max(1) as f64 - 1.0) * 0.5);
-        let a = Pose {
-            q: spun(qa, axis_a, turn),
-            t: scale(x, -1.0),
-        };
-        Frame {
-            a,
-            b: Pose {
-                q: spun(qb, axis_b, 0.7 * turn),
-                t: add(aside, x),
-            },
-        }
+        let a = Pose::new(spun(qa, axis_a, turn), scale(x, -1.0));
+        Frame::new(a, Pose::new(spun(qb, axis_b, 0.7 * turn), add(aside, x)))
     };
     (0..frames).map(frame).collect()
 }
@@ -150,13 +140,7 @@ pub fn approach(rng: &mut Rng, axis: Point, far: f64, near: f64, ratio: f64, fra
     let (qa, qb) = (rng.quat(), rng.quat());
     let frame = |i: usize| {
         let left = (far - near) * ratio.powf(i as f64 / (frames - 1).max(1) as f64);
-        Frame {
-            a: Pose { q: qa, t: [0.0; 3] },
-            b: Pose {
-                q: qb,
-                t: scale(axis, near + left),
-            },
-        }
+        Frame::new(Pose::new(qa, [0.0; 3]), Pose::new(qb, scale(axis, near + left)))
     };
     (0..frames).map(frame).collect()
 }
@@ -168,10 +152,10 @@ pub fn approach(rng: &mut Rng, axis: Point, far: f64, near: f64, ratio: f64, fra
 pub fn jitter(rng: &mut Rng, start: Frame, shift: f64, angle: f64, frames: usize) -> Vec<Frame> {
     let mut shaken = || {
         let by: Point = std::array::from_fn(|_| shift * rng.range(-1.0, 1.0));
-        Pose {
-            q: spun(start.b.q, rng.unit(), angle * rng.range(-1.0, 1.0)),
-            t: add(start.b.t, by),
-        }
+        Pose::new(
+            spun(start.b.q, rng.unit(), angle * rng.range(-1.0, 1.0)),
+            add(start.b.t, by),
+        )
     };
     (0..frames).map(|_| Frame { b: shaken(), ..start }).collect()
 }
@@ -194,18 +178,12 @@ pub fn roll(points: &[Point], top: f64, degrees: f64, frames: usize) -> Vec<Fram
     let frame = |i: usize| {
         let turn = (degrees * (i as f64 - 0.5 * frames as f64)).to_radians();
         let q = quat([0.0, 1.0, 0.0], turn);
-        let turned = Pose { q, t: [0.0; 3] };
+        let turned = Pose::new(q, [0.0; 3]);
         let lowest = points
             .iter()
             .map(|&p| turned.rotate(p)[2])
             .fold(f64::INFINITY, f64::min);
-        Frame {
-            a: Pose::IDENTITY,
-            b: Pose {
-                q,
-                t: [radius * turn, 0.0, top - lowest],
-            },
-        }
+        Frame::new(Pose::IDENTITY, Pose::new(q, [radius * turn, 0.0, top - lowest]))
     };
     (0..frames).map(frame).collect()
 }
@@ -216,17 +194,8 @@ pub fn random_poses(rng: &mut Rng, frames: usize, radii: (f64, f64), apart: (f64
     let mut frame = || {
         let d = rng.range(apart.0, apart.1) * (radii.0 + radii.1);
         let place: Point = std::array::from_fn(|_| spread * rng.range(-1.0, 1.0));
-        let a = Pose {
-            q: rng.quat(),
-            t: place,
-        };
-        Frame {
-            a,
-            b: Pose {
-                q: rng.quat(),
-                t: add(place, scale(rng.unit(), d)),
-            },
-        }
+        let a = Pose::new(rng.quat(), place);
+        Frame::new(a, Pose::new(rng.quat(), add(place, scale(rng.unit(), d))))
     };
     (0..frames).map(|_| frame()).collect()
 }
@@ -337,10 +306,7 @@ mod tests {
 
     #[test]
     fn shaken_bodies_stay_and_spun_ones_turn() {
-        let start = Frame {
-            a: Pose::IDENTITY,
-            b: Pose::shift([0.0, 0.0, 2.0]),
-        };
+        let start = Frame::new(Pose::IDENTITY, Pose::shift([0.0, 0.0, 2.0]));
         let shaken = jitter(&mut Rng::new(7), start, 1e-6, 1e-6, 50);
         assert!(shaken.iter().all(|f| (centres(f) - 2.0).abs() < 1e-5));
         assert!(shaken.iter().all(|f| turned(&f.b, &start.b) < 1e-3 && f.b != start.b));

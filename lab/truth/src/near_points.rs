@@ -209,11 +209,7 @@ pub fn hard_mesh(kind: usize, rng: &mut Rng) -> Soup {
     let cube = |at: Point, h: f64| {
         let shape = crate::shapes::cuboid([h; 3]);
         let triangles = shape.triangles();
-        Soup {
-            points: shape.points,
-            triangles,
-        }
-        .map(|p| add(p, at))
+        Soup::new(shape.points, triangles).map(|p| add(p, at))
     };
     match kind {
         0 => cube([0.0; 3], 1.0),
@@ -236,10 +232,7 @@ pub fn hard_mesh(kind: usize, rng: &mut Rng) -> Soup {
             // A cone with a fan of 80 triangles.
             let shape = crate::shapes::cone(80, 1.0, 1.0);
             let triangles = shape.triangles();
-            Soup {
-                points: shape.points,
-                triangles,
-            }
+            Soup::new(shape.points, triangles)
         }
     }
 }

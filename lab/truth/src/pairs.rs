@@ -120,13 +120,13 @@ impl Pair {
     pub fn flush(gap: f64, frames: usize) -> Result<Self, String> {
         let mut rng = Rng::new(23);
         let (a, b) = (Self::of("box", 8)?, rng.quat());
-        let common = Pose { q: b, t: rng.unit() };
+        let common = Pose::new(b, rng.unit());
         let thick = 2.0 * a.a.points.iter().fold(0.0f64, |h, p| h.max(p[2]));
         let at = |k: usize| {
             let slide = 0.4 * (0.01 * k as f64).sin();
             let turn = (0.5 * k as f64).to_radians();
             let b = Pose::turn([0.0, 0.0, 1.0], turn, [slide, -0.5 * slide, thick + gap]);
-            Frame { a: Pose::IDENTITY, b }.moved(&common)
+            Frame::new(Pose::IDENTITY, b).moved(&common)
         };
         let mut tracker = Tracker::new();
         let mut frames: Vec<Frame> = (0..frames).map(at).collect();

@@ -18,6 +18,11 @@ pub struct Soup {
 }
 
 impl Soup {
+    /// Returns the triangles between points.
+    pub const fn new(points: Vec<Point>, triangles: Vec<[u32; 3]>) -> Self {
+        Self { points, triangles }
+    }
+
     /// Returns the triangles of a mesh file; `None` if it cannot be read.
     pub fn read(path: &Path) -> Option<Self> {
         let (points, triangles) = MeshFile::load(path).ok()?.whole();
@@ -81,10 +86,7 @@ fn ring(n: usize, m: usize, place: impl Fn(f64, f64) -> Point) -> Soup {
         let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
         [[a, b, c], [a, c, d]]
     });
-    Soup {
-        triangles: cells.collect(),
-        points,
-    }
+    Soup::new(points, cells.collect())
 }
 
 /// Returns a torus about z of `2 n m` triangles: `n` around the ring of radius 1, `m` around the
@@ -117,8 +119,8 @@ pub fn knot(n: usize, m: usize, tube: f64) -> Soup {
 /// Returns a sphere of `20 4^k` triangles.
 pub fn sphere(k: u32) -> Soup {
     let g = (1.0 + 5f64.sqrt()) / 2.0;
-    let mut soup = Soup {
-        points: vec![
+    let mut soup = Soup::new(
+        vec![
             [-1.0, g, 0.0],
             [1.0, g, 0.0],
             [-1.0, -g, 0.0],
@@ -132,7 +134,7 @@ pub fn sphere(k: u32) -> Soup {
             [-g, 0.0, -1.0],
             [-g, 0.0, 1.0],
         ],
-        triangles: vec![
+        vec![
             [0, 11, 5],
             [0, 5, 1],
             [0, 1, 7],
@@ -154,7 +156,7 @@ pub fn sphere(k: u32) -> Soup {
             [8, 6, 7],
             [9, 8, 1],
         ],
-    };
+    );
     for _ in 0..k {
         let mut middles = HashMap::new();
         let points = &mut soup.points;
@@ -257,7 +259,7 @@ pub fn screw(turns: usize, n: usize) -> Soup {
         triangles.push([base, at(0, j + 1), at(0, j)]);
         triangles.push([base + 1, at(rows, j), at(rows, j + 1)]);
     }
-    Soup { points, triangles }
+    Soup::new(points, triangles)
 }
 
 /// Returns a box of twelve triangles. Point `i + 2 j + 4 k` has the low or high `x` by `i`, `y` by `j`
@@ -272,10 +274,10 @@ pub fn cuboid(low: Point, high: Point) -> Soup {
         [0, 4, 6, 2],
         [1, 3, 7, 5],
     ];
-    Soup {
-        points: (0..8).map(corner).collect(),
-        triangles: sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
-    }
+    Soup::new(
+        (0..8).map(corner).collect(),
+        sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+    )
 }
 
 /// Returns a box of half extents `h` whose sides have `n` by `n` squares each: `12 n^2` triangles.
@@ -306,7 +308,7 @@ pub fn plate(n: usize, h: Point) -> Soup {
             }
         }
     }
-    Soup { points, triangles }
+    Soup::new(points, triangles)
 }
 
 /// Returns an L-shaped prism of 20 triangles.
@@ -337,10 +339,10 @@ pub fn loose(n: usize, size: f64, rng: &mut Rng) -> Soup {
         let at = rng.in_ball();
         [0; 3].map(|_| add(at, scale(rng.in_ball(), size)))
     });
-    Soup {
-        points: points.collect(),
-        triangles: (0..n as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
-    }
+    Soup::new(
+        points.collect(),
+        (0..n as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+    )
 }
 
 /// Returns `n` slivers: triangles a million times as long as wide, in a ball of radius 1.
@@ -350,8 +352,8 @@ pub fn slivers(n: usize, rng: &mut Rng) -> Soup {
         let aside = scale(rng.unit(), norm(along) * 1e-6);
         [at, add(at, along), add(add(at, scale(along, 0.4)), aside)]
     });
-    Soup {
-        points: points.collect(),
-        triangles: (0..n as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
-    }
+    Soup::new(
+        points.collect(),
+        (0..n as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect(),
+    )
 }

@@ -4,9 +4,9 @@
 use crate::motion::Frame;
 use crate::shapes::Shape;
 use crate::{Exact, Point, Pose};
-use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{ContactState, ConvexPolyhedron, Feature, FeaturePair, Outcome, RelativePose};
+use lin_canny::{ContactState, ConvexPolyhedron, Feature, FeaturePair, Outcome, Piece, RelativePose};
 
 /// Returns the pose of B in A's frame, from poses in the world frame.
 pub fn between(a: &Pose, b: &Pose) -> RelativePose {
@@ -21,6 +21,14 @@ pub fn relative(frame: &Frame) -> RelativePose {
 /// Returns the pose of B shifted by a vector, with A at rest.
 pub fn shifted(by: Point) -> RelativePose {
     between(&Pose::IDENTITY, &Pose::shift(by))
+}
+
+/// Returns a piece of a compound without a name.
+pub fn piece_at(pose: Isometry3<f64>, shape: impl Into<lin_canny::Shape>) -> Piece {
+    Piece {
+        pose,
+        ..Piece::new(shape)
+    }
 }
 
 /// Returns the body of a shape: a hull, a point, a segment or a polygon.

@@ -12,10 +12,7 @@ use crate::soups::Soup;
 /// fanned from `ends`.
 fn skin(loops: &[Vec<Point>], ends: [Point; 2]) -> Soup {
     let (rows, m) = (loops.len(), loops[0].len());
-    let mut soup = Soup {
-        points: loops.iter().flatten().copied().chain(ends).collect(),
-        triangles: Vec::new(),
-    };
+    let mut soup = Soup::new(loops.iter().flatten().copied().chain(ends).collect(), Vec::new());
     let at = |i: usize, j: usize| (i * m + j % m) as u32;
     let (first, last) = ((rows * m) as u32, (rows * m) as u32 + 1);
     for j in 0..m {
@@ -144,8 +141,8 @@ pub fn terrain(n: usize) -> Soup {
             [at(i, j), at(i + 1, j + 1), at(i, j + 1)],
         ]
     };
-    Soup {
-        points: (0..(n + 1) * (n + 1)).map(place).collect(),
-        triangles: (0..n * n).flat_map(cell).collect(),
-    }
+    Soup::new(
+        (0..(n + 1) * (n + 1)).map(place).collect(),
+        (0..n * n).flat_map(cell).collect(),
+    )
 }

@@ -70,38 +70,19 @@ fn orbit(
 ) -> Vec<Frame> {
     // Farther apart than the radii of two bodies of radius 1.
     let apart = 2.2;
-    let a = Pose {
-        q: rng.quat(),
-        t: rng.unit(),
-    };
+    let a = Pose::new(rng.quat(), rng.unit());
     let (mut turn, mut out, pole, mut axis) = (rng.quat(), rng.unit(), rng.unit(), rng.unit());
     let step = |k| {
         match degrees {
             Some((spin, round)) => {
                 axis = unit(add(axis, scale(rng.unit(), 0.05)));
                 turn = unit_quat(quat_mul(quat(axis, spin.to_radians()), turn));
-                out = Pose {
-                    q: quat(pole, round.to_radians()),
-                    t: [0.0; 3],
-                }
-                .rotate(out);
+                out = Pose::new(quat(pole, round.to_radians()), [0.0; 3]).rotate(out);
             }
             None => (turn, out) = (rng.quat(), rng.unit()),
         }
-        let b = a.after(&Pose {
-            q: turn,
-            t: scale(out, apart),
-        });
-        hold(
-            k,
-            Frame {
-                a,
-                b: Pose {
-                    q: unit_quat(b.q),
-                    t: b.t,
-                },
-            },
-        )
+        let b = a.after(&Pose::new(turn, scale(out, apart)));
+        hold(k, Frame::new(a, Pose::new(unit_quat(b.q), b.t)))
     };
     (0..frames).map(step).collect()
 }
@@ -114,15 +95,9 @@ pub type FacePlane = (Point, Point);
 pub fn stacked(a: FacePlane, b: FacePlane, spin: f64, distance: f64) -> Frame {
     let ((at, up), (on, down)) = (a, b);
     let q = quat_mul(quat(up, spin), between(down, scale(up, -1.0)));
-    let turned = Pose {
-        q: unit_quat(q),
-        t: [0.0; 3],
-    };
+    let turned = Pose::new(unit_quat(q), [0.0; 3]);
     let t = sub(add(at, scale(up, distance)), turned.rotate(on));
-    Frame {
-        a: Pose::IDENTITY,
-        b: Pose { t, ..turned },
-    }
+    Frame::new(Pose::IDENTITY, Pose { t, ..turned })
 }
 
 /// Returns a rotation that maps one unit direction to another.
@@ -147,30 +122,21 @@ fn between(from: Point, to: Point) -> [f64; 4] {
 ///
 /// The pair is at a random pose in the world.
 pub fn at_rest(start: Frame, size: f64, reach: f64, frames: usize, rng: &mut Rng) -> Vec<Frame> {
-    let world = Pose {
-        q: rng.quat(),
-        t: rng.unit(),
-    };
+    let world = Pose::new(rng.quat(), rng.unit());
     let mut frame = |_| {
-        let shake = Pose {
-            q: quat(rng.unit(), rng.range(-1.0, 1.0) * size / reach),
-            t: scale(rng.unit(), size),
-        };
-        let b = Pose {
-            q: unit_quat(quat_mul(shake.q, start.b.q)),
-            t: add(start.b.t, shake.t),
-        };
-        Frame { a: start.a, b }.moved(&world)
+        let shake = Pose::new(
+            quat(rng.unit(), rng.range(-1.0, 1.0) * size / reach),
+            scale(rng.unit(), size),
+        );
+        let b = Pose::new(unit_quat(quat_mul(shake.q, start.b.q)), add(start.b.t, shake.t));
+        Frame::new(start.a, b).moved(&world)
     };
     (0..frames).map(&mut frame).collect()
 }
 
 /// Returns `start` with B moving to and fro along `way`, one cycle in `period` frames.
 pub fn to_and_fro(start: Frame, way: Point, period: usize, frames: usize, rng: &mut Rng) -> Vec<Frame> {
-    let world = Pose {
-        q: rng.quat(),
-        t: rng.unit(),
-    };
+    let world = Pose::new(rng.quat(), rng.unit());
     let frame = |k: usize| {
         let phase = (k % period) as f64 / period as f64;
         let along = 1.0 - 4.0 * (phase - 0.5).abs();

@@ -27,10 +27,7 @@ fn holds(pieces: &Decomposition, m: &Mesh, size: f64, rng: &mut Rng) -> usize {
     let mut apart = 0;
     let (mut pair, mut exact) = (PairTracker::new(), PairTracker::new());
     for k in 0..60 {
-        let pose = Pose {
-            q: rng.quat(),
-            t: scale(rng.unit(), size * rng.range(0.0, 3.0)),
-        };
+        let pose = Pose::new(rng.quat(), scale(rng.unit(), size * rng.range(0.0, 3.0)));
         let pose = RelativePose::from_isometry(&pose.isometry()).expect("unit");
         let found = pieces.distance(&mut pair, m, &pose);
         let truth = exact.distance(pieces.mesh(), m, &pose);
@@ -76,10 +73,10 @@ fn what_cannot_be_decomposed_is_refused_by_name() {
         assert_eq!(refused, Err(DecompositionError::Resolution(resolution)));
     }
     // A surface has no volume, and perhaps no pieces.
-    let sheet = mesh(&Soup {
-        points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-        triangles: vec![[0, 1, 2]],
-    });
+    let sheet = mesh(&Soup::new(
+        vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        vec![[0, 1, 2]],
+    ));
     if let Err(refused) = decompose(sheet, &coarse()) {
         assert!(matches!(refused, DecompositionError::Empty { .. }), "{refused}");
     }

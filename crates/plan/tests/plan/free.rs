@@ -11,10 +11,7 @@ use truth::{brute, soups::Soup};
 
 fn posed(pose: &Isometry3<f64>) -> Pose {
     let (q, t) = (pose.rotation.coords, pose.translation.vector);
-    Pose {
-        q: [q.x, q.y, q.z, q.w],
-        t: t.into(),
-    }
+    Pose::new([q.x, q.y, q.z, q.w], t.into())
 }
 
 /// Whether two solids share a point: all pairs of triangles, and a point of each in the other. `None` if rounding hides it.

@@ -27,10 +27,7 @@ pub fn ball(rng: &mut Rng, n: usize) -> Shape {
 
 /// Returns a flat body: `n` random points squeezed to `thickness` and rotated at random.
 pub fn sliver(rng: &mut Rng, n: usize, thickness: f64) -> Shape {
-    let turn = Pose {
-        q: rng.quat(),
-        t: [0.0; 3],
-    };
+    let turn = Pose::new(rng.quat(), [0.0; 3]);
     let s = sphere(rng, n).stretched([1.0, 1.0, thickness]).moved(&turn);
     Shape {
         name: format!("sliver {n} {thickness:e}"),
@@ -41,10 +38,7 @@ pub fn sliver(rng: &mut Rng, n: usize, thickness: f64) -> Shape {
 /// Returns a thin body: `n` random points squeezed to `width` in two directions and rotated at
 /// random.
 pub fn needle(rng: &mut Rng, n: usize, width: f64) -> Shape {
-    let turn = Pose {
-        q: rng.quat(),
-        t: [0.0; 3],
-    };
+    let turn = Pose::new(rng.quat(), [0.0; 3]);
     let s = sphere(rng, n).stretched([1.0, width, width]).moved(&turn);
     Shape {
         name: format!("needle {n} {width:e}"),

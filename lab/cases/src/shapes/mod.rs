@@ -24,13 +24,18 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Returns the body that is the hull of the points.
-    pub fn hull(name: impl Into<String>, points: Vec<Point>) -> Self {
+    /// Returns the body of points and faces.
+    pub fn new(name: impl Into<String>, points: Vec<Point>, faces: Vec<Face>) -> Self {
         Self {
             name: name.into(),
             points,
-            faces: Vec::new(),
+            faces,
         }
+    }
+
+    /// Returns the body that is the hull of the points.
+    pub fn hull(name: impl Into<String>, points: Vec<Point>) -> Self {
+        Self::new(name, points, Vec::new())
     }
 
     /// Returns the body with exactly computed faces; for a few points only.

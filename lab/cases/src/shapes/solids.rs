@@ -18,11 +18,7 @@ pub fn cuboid(h: Point) -> Shape {
         [1, 5, 7, 3],
     ];
     let faces = faces.iter().map(|f| f.to_vec()).collect();
-    Shape {
-        name: format!("box {h:?}"),
-        points: (0..8).map(corner).collect(),
-        faces,
-    }
+    Shape::new(format!("box {h:?}"), (0..8).map(corner).collect(), faces)
 }
 
 /// Returns `n` points of a circle of radius `r` at height `z`, counter-clockwise from above.
@@ -40,11 +36,7 @@ pub fn prism(n: usize, r: f64, h: f64) -> Shape {
         .collect();
     faces.push((0..m).rev().collect());
     faces.push((m..2 * m).collect());
-    Shape {
-        name: format!("prism {n}"),
-        points,
-        faces,
-    }
+    Shape::new(format!("prism {n}"), points, faces)
 }
 
 /// Returns a plate of half sizes `h` whose upright edges are rounded by `k` points each, with a
@@ -79,11 +71,7 @@ pub fn cone(n: usize, r: f64, h: f64) -> Shape {
     let m = n as u32;
     let mut faces: Vec<Face> = (0..m).map(|i| vec![i, (i + 1) % m, m]).collect();
     faces.push((0..m).rev().collect());
-    Shape {
-        name: format!("cone {n}"),
-        points,
-        faces,
-    }
+    Shape::new(format!("cone {n}"), points, faces)
 }
 
 /// Returns the regular tetrahedron in the cube of half size 1.
@@ -134,11 +122,7 @@ pub fn dodecahedron() -> Shape {
     let tips = icosahedron().points;
     // The vertices of the icosahedron with y and z exchanged are above the faces.
     let faces = tips.iter().map(|n| rim_about(&points, [n[0], n[2], n[1]])).collect();
-    Shape {
-        name: "dodecahedron".into(),
-        points,
-        faces,
-    }
+    Shape::new("dodecahedron", points, faces)
 }
 
 /// Returns the five points farthest along `n`, in order about it.
@@ -189,9 +173,5 @@ pub fn icosphere(level: usize) -> Shape {
         }
         faces = split;
     }
-    Shape {
-        name: format!("icosphere {level}"),
-        points,
-        faces,
-    }
+    Shape::new(format!("icosphere {level}"), points, faces)
 }

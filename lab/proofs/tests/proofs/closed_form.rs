@@ -127,15 +127,12 @@ fn judge(shapes: [&Shape; 2], frame: &Frame) -> Option<[usize; 2]> {
 fn lattice_frame(rng: &mut Rng) -> Frame {
     let mut pose = |apart: f64| {
         let axis = rng.below(4);
-        Pose {
-            q: std::array::from_fn(|k| f64::from(u8::from(k == axis))),
-            t: [0, 1, 2].map(|_| (apart * rng.range(-1.0, 1.0)).round()),
-        }
+        Pose::new(
+            std::array::from_fn(|k| f64::from(u8::from(k == axis))),
+            [0, 1, 2].map(|_| (apart * rng.range(-1.0, 1.0)).round()),
+        )
     };
-    Frame {
-        a: pose(2.0),
-        b: pose(9.0),
-    }
+    Frame::new(pose(2.0), pose(9.0))
 }
 
 /// The frame with B moved towards A, until a part of the distance is left.
@@ -191,21 +188,9 @@ fn short_edges_are_proven_as_they_are_or_not_at_all() {
         let tip = shapes::octahedron();
         for _ in 0..8 {
             let part = rng.range(-0.5, 1.5);
-            let here = Pose {
-                q: [0.0, 0.0, 0.0, 1.0],
-                t: [0.0; 3],
-            };
-            let above = Pose {
-                q: rng.quat(),
-                t: [part * t, rng.range(-1.0, 1.0) * t, rng.range(1.0, 1.5)],
-            };
-            for frame in [
-                Frame { a: here, b: above },
-                Frame {
-                    a: here,
-                    b: Pose { q: here.q, ..above },
-                },
-            ] {
+            let here = Pose::new([0.0, 0.0, 0.0, 1.0], [0.0; 3]);
+            let above = Pose::new(rng.quat(), [part * t, rng.range(-1.0, 1.0) * t, rng.range(1.0, 1.5)]);
+            for frame in [Frame::new(here, above), Frame::new(here, Pose { q: here.q, ..above })] {
                 proven += usize::from(judge([&roof, &tip], &frame).is_some());
                 proven += usize::from(judge([&tip, &roof], &frame.swapped()).is_some());
             }

@@ -15,111 +15,16 @@ const LONGER: &str = "LIN_CANNY_CLIMB";
 /// Set to anything: the table is written instead of compared.
 const WRITE: &str = "LIN_CANNY_WRITE";
 
-/// Constants that no bound rests on: another value changes the time of a query, or which of two right answers is told.
-const STEERS: &[&str] = &[
-    "ACROSS",
-    "ALMOST_FLAT",
-    "ASIDE",
-    "DIRECTION",
-    "HALF_TURN",
-    "INSIDE",
-    "LEAST_MEAN",
-    "LEAST_START",
-    "LEAST_WIDTH",
-    "ONE_PLANE",
-    "PARALLEL_SIDES",
-    "PIVOT",
-    "RECEIPT",
-    "REPEATED",
-    "REPEATED_NORMAL",
-    "SEAM",
-    "STAY",
-    "STEEP",
-    "UNIT_LENGTH",
-    "WITNESS_CHECK",
-];
+/// The constants of a list.
+fn list(name: &str) -> Vec<String> {
+    let rows = truth::rows::rows::<1>(include_str!("constants.txt"), name);
+    rows.into_iter().map(|[name]| name).collect()
+}
 
-/// Limits of what is accepted, units, widths that are asked for, and premises of derivations: no roundings are counted.
-const LIMITS: &[&str] = &[
-    "AGREE",
-    "AGREE_CURVED",
-    "AGREE_DEPTH",
-    "AGREE_WITNESS",
-    "BENT_POSE",
-    "COPLANAR",
-    "DEPTH_GOAL",
-    "DISC_MOST",
-    "EXPONENT_FREE",
-    "EXTENT_MAX",
-    "EXTENT_MIN",
-    "FAR",
-    "FAR_POINT",
-    "FLUSH_EXPONENT",
-    "NEAR",
-    "NEARLY_PARALLEL",
-    "OPPOSITE",
-    "ORIGIN_SHIFTS",
-    "PARALLEL",
-    "PART_EXTENT_MIN",
-    "PATCH_LIMIT",
-    "PATCH_MAX",
-    "PATH_DIRECTION",
-    "PLACE_MAX",
-    "PLANARITY",
-    "POSE_UNIT",
-    "REACH",
-    "SAME_PLACE",
-    "SCENE_REACH",
-    "SHIFT_DIRECTION",
-    "SHORT_OF",
-    "SLOPE",
-    "SMALL_PAIR",
-    "SPECK",
-    "SQUARE_MIN",
-    "START_CONTACT",
-    "UNIT",
-    "UNIT_SINGLE",
-    "WEIGHT_RATIO",
-];
-
-/// Bounds of roundings that are derived where they stand, and not yet transcribed.
-const BY_HAND: &[&str] = &[
-    "ATTACHED",
-    "CLOCK",
-    "CONTAINED",
-    "CONVERTED",
-    "CORE_CELL",
-    "CORE_ERROR",
-    "CORE_REACH",
-    "COUNTED",
-    "COVER",
-    "COVER_CELL",
-    "CROSSING",
-    "CURVE_DIFFERENCE",
-    "CURVE_PART",
-    "EXACT_PLACE",
-    "LOST_TERM",
-    "PLACED_PIECE",
-    "PLACED_VERTEX",
-    "POINT_BOX",
-    "POINT_BOX_SQUARE",
-    "POINT_ELEMENT",
-    "POINT_HEIGHT",
-    "RANGE_FRAME",
-    "RANGE_TERM",
-    "RAY_PLANE",
-    "RAY_SIDE",
-    "SIDE_FINE",
-    "STRAIGHT",
-    "STRAIGHT_ERROR",
-    "SLERP_PLACE",
-    "SLERP_TURN",
-    "TRANSLATED",
-    "TURN_ERROR",
-];
-
-/// Constants whose bound is a matter of underflow, see `underflow`.
-const UNDERFLOW: &[&str] = &["LEAST_RISE", "LEAST_SQUARE"];
+/// The lists of constants.
+fn lists() -> [Vec<String>; 4] {
+    ["steers", "limits", "by hand", "underflow"].map(list)
+}
 
 /// The sources of the constants, those of the planner too.
 const FILES: [&str; 2] = ["base/tolerance.rs", "../crates/plan/src/tolerance.rs"];
@@ -160,13 +65,13 @@ fn names() -> Vec<String> {
 fn every_constant_is_proved_or_named() {
     let proved = bounds::all();
     for name in names() {
-        let lists = [STEERS, LIMITS, BY_HAND, UNDERFLOW].map(|list| usize::from(list.contains(&&name[..])));
-        let count = lists.iter().sum::<usize>() + usize::from(proved.iter().any(|b| b.constant == name));
+        let lists = lists().iter().filter(|list| list.contains(&name)).count();
+        let count = lists + usize::from(proved.iter().any(|b| b.constant == name));
         assert_eq!(count, 1, "{name} stands in {count} lists");
     }
     let known = names();
-    let gone = [STEERS, LIMITS, BY_HAND, UNDERFLOW].concat();
-    let gone: Vec<_> = gone.iter().filter(|n| !known.contains(&(**n).to_owned())).collect();
+    let gone = lists().concat();
+    let gone: Vec<_> = gone.iter().filter(|name| !known.contains(name)).collect();
     assert!(gone.is_empty(), "no constants: {gone:?}");
 }
 
@@ -195,8 +100,8 @@ fn what_steers_says_so() {
         "osts time only",
         "o bound of an answer",
     ];
-    let silent = |name: &&&str| !words.iter().any(|w| documentation(name).contains(w));
-    let silent: Vec<_> = STEERS.iter().filter(silent).collect();
+    let silent = |name: &String| !words.iter().any(|w| documentation(name).contains(w));
+    let silent: Vec<_> = list("steers").into_iter().filter(silent).collect();
     assert!(silent.is_empty(), "{silent:?} do not say that they steer");
 }
 
@@ -256,14 +161,14 @@ fn table(tries: u64) -> String {
     let sum = written(sum, false, false);
     let by = "by Muller and Rideau 2022";
     writeln!(text, "| `UNIT_DOUBLE_DOUBLE` | sum, {by} | 10 |  | {sum} |").expect("text grows");
-    let list = |names: &[&str]| names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
-    for (what, names) in [
-        ("Underflow by machine", UNDERFLOW),
-        ("Derived by hand, not transcribed yet", BY_HAND),
-        ("Limits, widths and premises, without roundings", LIMITS),
-        ("Constants that only steer work", STEERS),
+    for (what, name) in [
+        ("Underflow by machine", "underflow"),
+        ("Derived by hand, not transcribed yet", "by hand"),
+        ("Limits, widths and premises, without roundings", "limits"),
+        ("Constants that only steer work", "steers"),
     ] {
-        write!(text, "\n{what}: {}.\n", list(names)).expect("text grows");
+        let names: Vec<String> = list(name).iter().map(|name| format!("`{name}`")).collect();
+        write!(text, "\n{what}: {}.\n", names.join(", ")).expect("text grows");
     }
     text
 }

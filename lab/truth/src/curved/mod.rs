@@ -29,6 +29,11 @@ pub struct Place {
 }
 
 impl Place {
+    /// Returns a rotation, then a translation.
+    pub const fn new(q: [f64; 4], t: [f64; 3]) -> Self {
+        Self { q, t }
+    }
+
     /// Returns the pose of a frame of a motion.
     pub fn of(frame: &Frame) -> Self {
         let relative = frame.relative();
@@ -41,10 +46,7 @@ impl Place {
     /// Returns a frame of a motion, with A at the origin.
     pub fn frame(&self) -> Frame {
         let (q, t) = (self.q, self.t);
-        Frame {
-            a: Pose::IDENTITY,
-            b: Pose { q, t },
-        }
+        Frame::new(Pose::IDENTITY, Pose::new(q, t))
     }
 
     /// Returns the isometry with the same bits.

@@ -68,7 +68,7 @@ pub fn flush_over_edge(rng: &mut Rng) -> ([Kind; 2], Place, f64, f64) {
     let bearing = reach(&a, up, [0.0, 0.0, side]) + reach(&b, q, [0.0, 0.0, -side]);
     t[2] = side * (bearing + gap(rng));
     let apart = side * t[2] - bearing;
-    ([a, b], Place { q, t }, side, apart)
+    ([a, b], Place::new(q, t), side, apart)
 }
 
 /// Returns bodies of revolution about parallel axes, coaxial or nearly so, whose centres differ
@@ -88,7 +88,7 @@ pub fn about_parallel_axes(rng: &mut Rng) -> ([Kind; 2], Place) {
     let up = least * *rng.pick(&[0.0, 0.0, 1e-9, 0.1, 0.3]) * rng.range(-1.0, 1.0);
     let q = *rng.pick(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.6, 0.8]]);
     let t = [aside[0], aside[1], up];
-    (kinds, Place { q, t })
+    (kinds, Place::new(q, t))
 }
 
 /// Returns a vector of a length, perpendicular to z.

@@ -6,6 +6,7 @@
 //! eight translations. A contact may not be deeper. Where a cell of A is next to a cell of B, there
 //! is a wall, and one contact must lie along its normal at the distance of the wall.
 
+use crate::support::piece_at;
 use std::collections::BTreeSet;
 
 use crate::driven::slots::union_of;
@@ -197,16 +198,9 @@ impl Body {
             let pose = frame.isometry() * about;
             if rng.chance(0.5) {
                 let shape = Shape::cuboid((high - low) * 0.5).map_err(|e| e.to_string())?;
-                return Ok(Piece {
-                    pose,
-                    ..Piece::new(shape)
-                });
+                return Ok(piece_at(pose, shape));
             }
-            let own = Pose {
-                q: rng.quat(),
-                t: scale(rng.in_ball(), rng.log_range(0.1, 20.0)),
-            }
-            .isometry();
+            let own = Pose::new(rng.quat(), scale(rng.in_ball(), rng.log_range(0.1, 20.0))).isometry();
             let local = own.inverse() * pose;
             let corners: Vec<_> = (0..8)
                 .map(|k| {
@@ -216,10 +210,7 @@ impl Body {
                 })
                 .collect();
             let body = ConvexPolyhedron::from_points(&corners).map_err(|e| e.to_string())?;
-            Ok(Piece {
-                pose: own,
-                ..Piece::new(Shape::from(body))
-            })
+            Ok(piece_at(own, Shape::from(body)))
         };
         let pieces: Vec<Piece> = self.blocks.iter().map(piece).collect::<Result<_, _>>()?;
         Ok(Compound::new(pieces).map_err(|e| e.to_string())?.into())
@@ -237,10 +228,7 @@ impl Body {
         }
         .map_err(|e| e.to_string())?;
         let pose = frame.isometry() * Isometry3::translation(0.5, 0.5, 0.5);
-        let piece = Piece {
-            pose,
-            ..Piece::new(shape)
-        };
+        let piece = piece_at(pose, shape);
         Ok(Compound::new(vec![piece]).map_err(|e| e.to_string())?.into())
     }
 }
@@ -334,7 +322,7 @@ pub fn play(seed: u64) -> Result<Mix, String> {
             Pose::IDENTITY
         } else {
             let t = scale(rng.in_ball(), rng.log_range(0.1, 20.0));
-            Pose { q: rng.quat(), t }
+            Pose::new(rng.quat(), t)
         }
     };
     let mut frames = [frame(), frame()];

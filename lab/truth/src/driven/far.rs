@@ -221,7 +221,7 @@ pub fn play(seed: u64) -> Result<Mix, String> {
     let solids = (Solid::new(&mut rng, far), Solid::new(&mut rng, other));
     let (Some(a), Some(b)) = solids else { return Ok(mix) };
     let [qa, qb] = rotations(&mut rng);
-    let turned = |q: [f64; 4], solid: &Solid| Pose { q, t: [0.0; 3] }.rotate(solid.middle);
+    let turned = |q: [f64; 4], solid: &Solid| Pose::new(q, [0.0; 3]).rotate(solid.middle);
     // The middle of A is near the origin of the world, or its frame is.
     let size = a.radius + b.radius;
     let ta = match rng.below(3) {
@@ -238,8 +238,8 @@ pub fn play(seed: u64) -> Result<Mix, String> {
     };
     let aside = sub(aside, scale(n, dot(n, aside)));
     let gap = rng.sign() * size * *rng.pick(&[0.0, 0.0, 0.0, 1e-15, 1e-13, 1e-10, 1e-6, 1e-3, 0.1, 1.0]);
-    let pose_a = Pose { q: qa, t: ta };
-    let mut pose_b = Pose { q: qb, t: [0.0; 3] };
+    let pose_a = Pose::new(qa, ta);
+    let mut pose_b = Pose::new(qb, [0.0; 3]);
     let (of_a, of_b) = (pose_a.rotate(a.middle), pose_b.rotate(b.middle));
     let tops = (
         height(&a, &pose_a, n) - dot(n, of_a),

@@ -6,9 +6,10 @@
 //! and repaired, bent, and as polyhedra; the oracle cuts tetrahedra over the rationals. [`play_bytes`]
 //! is the entry of `fuzz/`. The instrument `soak` uses this module.
 
+use crate::support::piece_at;
 use dashu_ratio::RBig;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, OverlapVolume, PairTracker, Piece, RelativePose};
+use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, OverlapVolume, PairTracker, RelativePose};
 use lin_canny::{MeshKind, RepairOptions, polyhedron::solids};
 
 use crate::near_points::hard_mesh;
@@ -118,10 +119,7 @@ fn boxes(cells: &Cells, half: Point) -> Result<Geometry, String> {
         let body = solids::cuboid(Vector3::repeat(0.5)).map_err(|e| e.to_string())?;
         let at = |k: usize| c[k] as f64 + half[k] + 0.5;
         let pose = Isometry3::translation(at(0), at(1), at(2));
-        Ok(Piece {
-            pose,
-            ..Piece::new(body)
-        })
+        Ok(piece_at(pose, body))
     };
     let pieces = cells.iter().map(piece).collect::<Result<Vec<_>, String>>()?;
     Ok(Geometry::from(Compound::new(pieces).map_err(|e| e.to_string())?))
@@ -199,10 +197,7 @@ pub fn play(seed: u64) -> Result<Mix, String> {
     let (x, y) = (mesh(&moved(of_a))?, mesh(&moved(of_b))?);
     let pose = Pose::shift(scale(if by_pose { apart } else { [0.0; 3] }, unit));
     // A common rotation cancels if the translations are equal.
-    let common = Pose {
-        q: rng.quat(),
-        t: rng.in_ball(),
-    };
+    let common = Pose::new(rng.quat(), rng.in_ball());
     let relative = if !by_pose && rng.chance(0.5) {
         RelativePose::new(&common.isometry(), &common.isometry())
     } else {
@@ -317,10 +312,7 @@ struct Judged {
 fn chain(mesh: &Mesh) -> Exact {
     let corners: Vec<Point> = mesh.triangles().flat_map(|x| x.1).map(Into::into).collect();
     let triangles = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
-    let soup = Soup {
-        triangles: triangles.collect(),
-        points: corners,
-    };
+    let soup = Soup::new(corners, triangles.collect());
     (&soup).into()
 }
 
@@ -379,26 +371,23 @@ pub fn play_exactly(seed: u64) -> Result<Mix, String> {
     mix.families[family] = 1;
     let (mut a, mut b) = (few(&mut rng), few(&mut rng));
     let quarter = std::f64::consts::FRAC_PI_2;
-    let mut pose = Pose {
-        q: match rng.below(4) {
+    let mut pose = Pose::new(
+        match rng.below(4) {
             0 => Pose::IDENTITY.q,
             1 => crate::pose::quat([0.0, 0.0, 1.0], quarter * *rng.pick(&[0.5, 1.0, 2.0])),
             2 => crate::pose::quat([1.0, 0.0, 0.0], *rng.pick(&[1e-3, 1e-9, 1e-12])),
             _ => rng.quat(),
         },
-        t: match rng.below(3) {
+        match rng.below(3) {
             0 => [0.0; 3],
             1 => [0; 3].map(|_| 0.25 * rng.int(-4, 4) as f64),
             _ => scale(rng.in_ball(), 1.5),
         },
-    };
+    );
     if family == 7 {
         // Thin: a block sunk into a block by a small depth, turned together.
         let depth = *rng.pick(&[1e-3, 1e-6, 1e-9, 1e-12]);
-        let turn = Pose {
-            q: rng.quat(),
-            t: [0.0; 3],
-        };
+        let turn = Pose::new(rng.quat(), [0.0; 3]);
         a = brick([-1.0; 3], [1.0, 1.0, 0.0]).moved(&turn);
         b = brick([-0.5, -2.0, -depth], [2.0, 0.5, 1.0]).moved(&turn);
         pose = Pose::IDENTITY;

@@ -100,7 +100,7 @@ fn poses(rng: &mut Rng, size: f64) -> [Pose; 2] {
             2 => scale(rng.in_ball(), 2.0 * size),
             _ => scale(rng.in_ball(), rng.log_range(1.0, 1e6) * size),
         };
-        Pose { q: off_unit(q, rng), t }
+        Pose::new(off_unit(q, rng), t)
     };
     let (a, b) = (pose(), pose());
     match rng.below(3) {

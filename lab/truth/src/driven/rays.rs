@@ -76,10 +76,10 @@ fn polygon(rng: &mut Rng) -> Vec<Point> {
 }
 
 fn fan(points: &[Point]) -> Soup {
-    Soup {
-        points: points.to_vec(),
-        triangles: (2..points.len() as u32).map(|k| [0, k - 1, k]).collect(),
-    }
+    Soup::new(
+        points.to_vec(),
+        (2..points.len() as u32).map(|k| [0, k - 1, k]).collect(),
+    )
 }
 
 /// Returns a mesh and whether it is closed; among them a plate without thickness, both sides of it.
@@ -125,10 +125,10 @@ impl World {
                     (0..12).map(|_| [0; 3].map(|_| rng.int(-4, 4) as f64 / 4.0)).collect()
                 };
                 let body = ConvexPolyhedron::from_points(&at(&points)).map_err(|e| told(&e))?;
-                let soup = Soup {
-                    points: body.vertex_points().map(Into::into).collect(),
-                    triangles: body.triangles().map(|t| t.map(|v| v.index() as u32)).collect(),
-                };
+                let soup = Soup::new(
+                    body.vertex_points().map(Into::into).collect(),
+                    body.triangles().map(|t| t.map(|v| v.index() as u32)).collect(),
+                );
                 let is_solid = body.face_count() > 2;
                 (body.into(), of(soup, is_solid))
             }
@@ -177,7 +177,7 @@ impl World {
             Truth::Triangles(soup, ..) => soup.radius(),
             _ => 4.0,
         };
-        let at = Pose { q, t };
+        let at = Pose::new(q, t);
         Ok(Self {
             kind,
             body,

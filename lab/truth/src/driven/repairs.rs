@@ -121,7 +121,7 @@ fn chain(mesh: &Mesh) -> Soup {
     all.sort_by_key(|x| x.0);
     let points: Vec<Point> = all.iter().flat_map(|x| x.1).map(Into::into).collect();
     let triangles = (0..all.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-    Soup { points, triangles }
+    Soup::new(points, triangles)
 }
 
 /// Returns whether a point is in the box of some points.

@@ -172,10 +172,7 @@ pub fn play(seed: u64) -> Result<Mix, String> {
         let pose = match frame {
             0 => Pose::IDENTITY,
             1 => Pose::shift(scale(place.ways[0], unit * rng.range(-2.0, 2.0))),
-            _ => Pose {
-                q: off_unit(rng.quat(), &mut rng),
-                t: scale(rng.in_ball(), unit),
-            },
+            _ => Pose::new(off_unit(rng.quat(), &mut rng), scale(rng.in_ball(), unit)),
         };
         let truths = triangles(&x)
             .into_iter()

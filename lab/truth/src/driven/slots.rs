@@ -130,7 +130,7 @@ fn pipe(n: usize, radius: f64, half: f64, fine: usize) -> Soup {
         triangles.push([at(0, 0), at(i + 1, 0), at(i, 0)]);
         triangles.push([at(0, fine), at(i, fine), at(i + 1, fine)]);
     }
-    Soup { points, triangles }
+    Soup::new(points, triangles)
 }
 
 /// A body as a mesh and as convex pieces.
@@ -280,7 +280,7 @@ pub fn play(seed: u64) -> Result<Mix, String> {
             Pose::IDENTITY
         } else {
             let t = scale(rng.in_ball(), rng.log_range(0.1, 20.0));
-            Pose { q: rng.quat(), t }
+            Pose::new(rng.quat(), t)
         }
     };
     let frames = [frame(), frame()];

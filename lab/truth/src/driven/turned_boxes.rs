@@ -4,6 +4,7 @@
 //! The judge maps a point into the frame of each piece without rounding. There the piece is a box
 //! along the axes, so its signed distance has a closed form.
 
+use crate::support::piece_at;
 use std::cmp::Ordering;
 
 use lin_canny::nalgebra::{Isometry3, Point3};
@@ -87,11 +88,11 @@ impl PosedBox {
         let centre = scale(rng.in_ball(), far).map(grid);
         let half = [0; 3].map(|_| grid(rng.log_range(0.01, 2.0)));
         let q = off_unit(rotation(rng), rng);
-        let turned = Pose { q, t: [0.0; 3] }.rotate(centre);
+        let turned = Pose::new(q, [0.0; 3]).rotate(centre);
         let near = scale(rng.in_ball(), [0.0, 1.0, 3.0][rng.below(3)]);
         let t = sub(near, turned);
         let t = if rng.chance(0.5) { t.map(grid) } else { t };
-        let at = Pose { q, t };
+        let at = Pose::new(q, t);
         Self { centre, half, at }
     }
 
@@ -169,10 +170,7 @@ pub fn play(seed: u64) -> Result<Mix, String> {
         let corners: Vec<Point3<f64>> = b.corners().into_iter().map(Point3::from).collect();
         let body = ConvexPolyhedron::from_points(&corners).map_err(|e| e.to_string())?;
         let pose = b.at.isometry();
-        Ok(Piece {
-            pose,
-            ..Piece::new(body)
-        })
+        Ok(piece_at(pose, body))
     };
     let pieces: Result<Vec<Piece>, String> = boxes.iter().map(piece).collect();
     let body = Compound::new(pieces.map_err(told)?).map_err(|e| told(e.to_string()))?;
@@ -239,7 +237,7 @@ fn judge_boxes(body: &Compound, boxes: &[PosedBox], rng: &mut Rng) -> Result<(),
     }
     let q = off_unit(rng.quat(), rng);
     let turn = crate::rational::rotation(q);
-    let pose: Isometry3<f64> = Pose { q, t: [0.0; 3] }.isometry();
+    let pose: Isometry3<f64> = Pose::new(q, [0.0; 3]).isometry();
     let outer = Geometry::from(body.clone()).aabb_at(&pose, &mut lin_canny::polyhedron::BoxHint::default());
     for p in corners() {
         let at = std::array::from_fn(|i| &turn[i][0] * &p[0] + &turn[i][1] * &p[1] + &turn[i][2] * &p[2]);

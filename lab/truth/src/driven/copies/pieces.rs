@@ -180,10 +180,7 @@ impl<'a> Judged<'a> {
         }
         let plain = |i: &Isometry3<f64>| {
             let (q, t) = (i.rotation.coords, i.translation.vector);
-            Pose {
-                q: [q.x, q.y, q.z, q.w],
-                t: [t.x, t.y, t.z],
-            }
+            Pose::new([q.x, q.y, q.z, q.w], [t.x, t.y, t.z])
         };
         let mut least: Option<exact::Exact> = None;
         for (p, at_p) in &self.a.parts {

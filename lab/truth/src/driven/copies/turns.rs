@@ -150,10 +150,7 @@ pub(super) fn family(seed: u64) -> Result<Mix, String> {
         }
         let mesh = &meshes[rng.below(meshes.len())];
         place = crate::pose::add(place, rng.in_ball().map(|x| 0.1 * x));
-        let pose = Pose {
-            q: rng.quat(),
-            t: place,
-        };
+        let pose = Pose::new(rng.quat(), place);
         let relative = RelativePose::from_isometry(&pose.isometry()).map_err(|e| e.to_string())?;
         let own = soup(mesh.triangles().map(|t| t.1));
         let truth = brute::distance(&own, &die_soup, &pose).0;

@@ -238,9 +238,9 @@ impl WholeSoup {
     }
 
     pub(super) fn placed(&self, place: impl Fn(Whole) -> Point) -> Soup {
-        Soup {
-            points: self.points.iter().map(|p| place(*p)).collect(),
-            triangles: self.triangles.iter().map(|t| t.map(|v| v as u32)).collect(),
-        }
+        Soup::new(
+            self.points.iter().map(|p| place(*p)).collect(),
+            self.triangles.iter().map(|t| t.map(|v| v as u32)).collect(),
+        )
     }
 }
