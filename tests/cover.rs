@@ -8,15 +8,11 @@ use lin_canny::{
 };
 use truth::covers::{contain, is_inside};
 use truth::driven::exact_place::Place;
+use truth::forms::mesh;
 use truth::near_points::{is_between, place};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Point, shapes};
-
-fn mesh_of(soup: &Soup) -> Mesh {
-    let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
-    Mesh::new(&points, &soup.triangles).expect("a mesh")
-}
 
 fn plain(balls: &[Ball]) -> Vec<(Point, f64)> {
     balls.iter().map(|ball| (ball.center.into(), ball.radius)).collect()
@@ -59,7 +55,7 @@ fn check_gap(geometry: &Geometry, cover: &BallCover, rng: &mut Rng, told: &str) 
 
 /// Checks covers of a mesh: exactly, and gaps by samples. Returns the gaps as parts of the radius.
 fn check_mesh(soup: &Soup, count: usize, rng: &mut Rng, told: &str) -> [f64; 2] {
-    let mesh = mesh_of(soup);
+    let mesh = mesh(soup);
     let is_solid = mesh.kind() == MeshKind::Solid;
     let geometry = Geometry::from(mesh);
     let told = format!("{told}, {count} balls");
@@ -143,7 +139,7 @@ fn covers_hold_at_every_scale() {
     }
     // Far from the origin, where the places of points round by a part of the body.
     let soup = soups::gear(6).map(|p| [p[0] + 3e7, p[1] - 1e7, p[2]]);
-    let outer = cover_outside(&mesh_of(&soup), CoverGoal::Balls(4)).expect("a cover");
+    let outer = cover_outside(&mesh(&soup), CoverGoal::Balls(4)).expect("a cover");
     let balls = plain(&outer.balls);
     assert!((0..soup.triangles.len()).all(|t| contain(&balls, &soup.corners(t))));
     assert!(outer.gap < 2.0, "{}", outer.gap);
@@ -154,7 +150,7 @@ fn covers_hold_at_every_scale() {
 fn a_power_of_two_scales_the_balls() {
     let soup = soups::bracket();
     let at = |unit: f64| {
-        let mesh = mesh_of(&soup.clone().map(|p| p.map(|x| x * unit)));
+        let mesh = mesh(&soup.clone().map(|p| p.map(|x| x * unit)));
         let outer = cover_outside(&mesh, CoverGoal::Balls(6)).expect("a cover");
         (outer, cover_inside(&mesh, 6).expect("a cover"))
     };
@@ -283,7 +279,7 @@ fn a_ball_is_covered_by_itself_and_a_point_by_a_ball_of_no_size() {
 fn a_gap_is_reached_or_an_error_says_how_far() {
     let mut rng = Rng::new(8);
     let soup = soups::bracket();
-    let mesh = mesh_of(&soup);
+    let mesh = mesh(&soup);
     let mut before = 0;
     for part in [0.5, 0.2, 0.1] {
         let gap = part * soup.radius();

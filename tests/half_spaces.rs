@@ -11,6 +11,7 @@ use lin_canny::{
     MeshError, MeshKind, PairTracker, Piece, QueryOptions, Ray, RayCast, RayCaster, RelativePose, Shape, Velocity,
 };
 use truth::curved::{KINDS, Kind};
+use truth::forms::mesh;
 use truth::rational::{RBig, exact, over_root, placed, rotation};
 use truth::rng::Rng;
 use truth::{Point, Pose, soups};
@@ -46,11 +47,6 @@ fn scaled(kind: &Kind, by: f64) -> Kind {
         Kind::Cylinder(h, r) => Kind::Cylinder(h * by, r * by),
         Kind::Cone(h, r) => Kind::Cone(h * by, r * by),
     }
-}
-
-fn soup_mesh(soup: &soups::Soup) -> Mesh {
-    let points: Vec<_> = soup.points.iter().map(|&p| Point3::from(p)).collect();
-    Mesh::new(&points, &soup.triangles).expect("a mesh")
 }
 
 fn random_soup(rng: &mut Rng, by: f64) -> soups::Soup {
@@ -100,7 +96,7 @@ fn random_case(rng: &mut Rng, k: usize, by: f64) -> Case {
         2 => {
             let soup = random_soup(rng, by);
             Case {
-                geometry: Geometry::from(soup_mesh(&soup)),
+                geometry: Geometry::from(mesh(&soup)),
                 parts: vec![hull(soup.points.clone())],
                 slack: 0.0,
             }
@@ -130,7 +126,7 @@ fn random_case(rng: &mut Rng, k: usize, by: f64) -> Case {
         }
         _ => {
             let soup = random_soup(rng, by);
-            let mesh = soup_mesh(&soup);
+            let mesh = mesh(&soup);
             Case {
                 geometry: Geometry::from(BezierSurface::from_mesh(&mesh).expect("a surface")),
                 parts: vec![hull(soup.points.clone())],

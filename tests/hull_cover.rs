@@ -21,6 +21,18 @@ struct Case {
     radius: f64,
 }
 
+impl Case {
+    /// A body without rounding.
+    fn plain(name: &'static str, geometry: Geometry, points: Vec<Point>) -> Self {
+        Self {
+            name,
+            geometry,
+            points,
+            radius: 0.0,
+        }
+    }
+}
+
 /// Half the diagonal of the box of points.
 fn size(points: &[Point]) -> f64 {
     let side = |k: usize| {
@@ -80,10 +92,8 @@ fn check(case: &Case, faces: usize) -> f64 {
     let points: Vec<_> = case.points.iter().map(|p| Point3::from(*p)).collect();
     let size = size(&case.points) + case.radius;
     if let Ok(body) = ConvexPolyhedron::from_points(&points) {
-        let (points, rims) = (
-            corners_of(&body),
-            body.faces().map(|f| rim(&body, f)).collect::<Vec<_>>(),
-        );
+        let points = corners_of(&body);
+        let rims = body.faces().map(|f| rim(&body, f)).collect::<Vec<_>>();
         let body = Body::new(&points, &rims);
         let far = |p: &Point| distance_to_body(*p, body, &Pose::IDENTITY) - case.radius;
         let worst = corners_of(hull).iter().map(far).fold(0.0, f64::max);
@@ -127,12 +137,7 @@ fn random_case(rng: &mut Rng) -> Case {
     let unit = 2f64.powi(rng.below(600) as i32 - 300);
     let plain = |name, points: Vec<Point>| {
         let geometry = Geometry::from(hull(&points));
-        Case {
-            name,
-            geometry,
-            points,
-            radius: 0.0,
-        }
+        Case::plain(name, geometry, points)
     };
     match kind {
         0 => plain("ball of points", put(shapes::ball(rng, n.max(8)).points)),
@@ -157,23 +162,13 @@ fn random_case(rng: &mut Rng) -> Case {
                 Err(_) => Geometry::from(ConvexPolyhedron::point(points[0].into()).expect("a point")),
             };
             let points = geometry.as_polyhedron().map(corners_of).expect("a polyhedron");
-            Case {
-                name: "flat",
-                geometry,
-                points,
-                radius: 0.0,
-            }
+            Case::plain("flat", geometry, points)
         }
         6 => {
             let points = put(vec![rng.unit(), rng.unit()]);
             let ends = at(&points);
             let geometry = ConvexPolyhedron::segment(ends[0], ends[1]).expect("a segment").into();
-            Case {
-                name: "segment",
-                geometry,
-                points,
-                radius: 0.0,
-            }
+            Case::plain("segment", geometry, points)
         }
         7 => {
             let points = put(shapes::small(rng).points);
@@ -228,12 +223,7 @@ fn random_case(rng: &mut Rng) -> Case {
             });
             let points = places.collect();
             let compound = Compound::new(pieces.into_iter().map(|(piece, _)| piece).collect()).expect("a compound");
-            Case {
-                name: "compound",
-                geometry: compound.into(),
-                points,
-                radius: 0.0,
-            }
+            Case::plain("compound", compound.into(), points)
         }
     }
 }
@@ -241,12 +231,7 @@ fn random_case(rng: &mut Rng) -> Case {
 fn mesh_case(name: &'static str, points: Vec<Point>, triangles: Vec<[u32; 3]>) -> Case {
     let at: Vec<_> = points.iter().map(|p| Point3::from(*p)).collect();
     let geometry = Geometry::from(Mesh::new(&at, &triangles).expect("a mesh"));
-    Case {
-        name,
-        geometry,
-        points,
-        radius: 0.0,
-    }
+    Case::plain(name, geometry, points)
 }
 
 fn run(count: usize, seed: u64) {

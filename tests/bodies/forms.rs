@@ -54,7 +54,7 @@ fn a_moved_body_answers_as_the_body_at_the_pose() {
     for body in bodies() {
         for _ in 0..20 {
             let (q, t) = (rng.quat(), [0; 3].map(|_| rng.range(-2.0, 2.0)));
-            let pose = truth::Pose { q, t }.isometry();
+            let pose = truth::Pose::new(q, t).isometry();
             let moved = body.transformed(&pose).unwrap();
             assert_eq!(by_source(&moved).len(), by_source(&body).len());
             let there = RelativePose::from_isometry(&pose).unwrap();

@@ -278,10 +278,8 @@ fn solids_have_their_features_and_sizes() {
         solids::random_hull(50, Vector3::repeat(1.0), 3).unwrap().vertex_count(),
         50
     );
-    let (a, b) = (
-        solids::random_hull(9, Vector3::repeat(1.0), 4),
-        solids::random_hull(9, Vector3::repeat(1.0), 5),
-    );
+    let a = solids::random_hull(9, Vector3::repeat(1.0), 4);
+    let b = solids::random_hull(9, Vector3::repeat(1.0), 5);
     assert_ne!(a.unwrap(), b.unwrap());
     for bad in [
         solids::cuboid(Vector3::new(1.0, 0.0, 1.0)),

@@ -135,11 +135,9 @@ fn links_agree_and_foreign_ids_are_refused() {
             assert!(large.vertex_faces(a).any(|f| f == face));
         }
     }
-    let (v, e, f) = (
-        large.vertices().last().unwrap(),
-        large.edges().last().unwrap(),
-        large.faces().last().unwrap(),
-    );
+    let v = large.vertices().last().unwrap();
+    let e = large.edges().last().unwrap();
+    let f = large.faces().last().unwrap();
     assert!(small.vertex(v).is_none() && small.source_vertex(v).is_none());
     assert!(small.edge_vertices(e).is_none() && small.edge_faces(e).is_none());
     assert!(small.face_plane(f).is_none() && small.source_face(f).is_none());

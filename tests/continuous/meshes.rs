@@ -293,10 +293,8 @@ fn a_sheet_that_is_pushed_over_itself_meets_itself_when_all_pairs_of_triangles_s
                 if is_inner { add(p, [x, 0.3 * x, z]) } else { p }
             })
         };
-        let (begin, end) = (
-            pushed(far, up),
-            pushed(far * rng.range(0.5, 1.2), up * rng.range(-1.0, 1.0)),
-        );
+        let begin = pushed(far, up);
+        let end = pushed(far * rng.range(0.5, 1.2), up * rng.range(-1.0, 1.0));
         let m = ends(&rest, [&begin, &end]);
         let a = MovingMesh::new(&m[0], &m[1]).unwrap();
         let found = continuous::cast_self(&a, Tolerance::Time(WIDTH)).unwrap();

@@ -135,10 +135,8 @@ fn random_poses_of_all_pairs_of_kinds() {
         let (mut rng, mut cold) = (Rng::new(2100 + k as u64), Mix::default());
         for _ in 0..count() {
             let aspect = rng.log_range(1.0, 30.0);
-            let (a, b) = (
-                Kind::random(first, &mut rng, aspect),
-                Kind::random(second, &mut rng, aspect),
-            );
+            let a = Kind::random(first, &mut rng, aspect);
+            let b = Kind::random(second, &mut rng, aspect);
             let gap = rng.log_range(1e-9, 10.0);
             let place = at_gap(&a, &b, &mut rng, gap);
             let (x, y, pose) = (a.shape(), b.shape(), place.pose());

@@ -210,10 +210,8 @@ fn sound_contacts(seed: u64, names: &[&str], count: usize) -> ([usize; 9], u32) 
         let mut place = at_gap(&kinds[0], &kinds[1], &mut rng, 1e-3);
         if k % 2 == 0 {
             // Axes up, or one of them upside down: caps and bases nearly flush.
-            let (q, tilt) = (
-                *rng.pick(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0], lying()]),
-                rng.log_range(1e-9, 0.02),
-            );
+            let q = *rng.pick(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0], lying()]);
+            let tilt = rng.log_range(1e-9, 0.02);
             let turn = truth::pose::quat(rng.unit(), if rng.chance(0.2) { 0.0 } else { tilt });
             place.q = truth::pose::unit_quat(truth::pose::quat_mul(turn, q));
             place.t = [rng.range(-0.5, 0.5), rng.range(-0.5, 0.5), 4.0];

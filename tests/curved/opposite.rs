@@ -139,10 +139,8 @@ fn witnesses_at_special_poses_are_opposite() {
 /// A segment nearly coaxial with a cylinder: balls on both sides of the axis are equally large.
 #[test]
 fn witnesses_of_a_capsule_along_the_axis_of_a_cylinder_are_opposite() {
-    let (can, pill) = (
-        Kind::Cylinder(0.5, 0.4),
-        Kind::Hull(vec![[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]]),
-    );
+    let can = Kind::Cylinder(0.5, 0.4);
+    let pill = Kind::Hull(vec![[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]]);
     let mut rng = Rng::new(2340);
     let mut worst = Worst::default();
     for _ in 0..2000 {

@@ -210,10 +210,8 @@ fn contacts_of_a_local_depth_are_no_deeper_than_the_bound() {
 /// Bodies of different scales, and points without size, get the proven depth or none.
 #[test]
 fn bodies_of_different_scales_are_answered() {
-    let (small, large) = (
-        support::body(&shapes::cube().stretched([1e-9; 3])),
-        support::body(&shapes::cube().stretched([1e9; 3])),
-    );
+    let small = support::body(&shapes::cube().stretched([1e-9; 3]));
+    let large = support::body(&shapes::cube().stretched([1e9; 3]));
     let inside = support::relative(&Frame::new(Pose::IDENTITY, Pose::shift(scale([1.0, 0.5, 0.25], 9e8))));
     let mut pair = Tracker::new();
     for _ in 0..3 {

@@ -190,11 +190,9 @@ fn numbers_changed_in_a_file_do_no_harm() {
         assert!(read > 500, "{read}");
     }
     let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
-    let (cube, flush, options) = (
-        solids::cuboid(Vector3::repeat(0.5)).unwrap(),
-        pose([0.3, 0.2, 0.99]),
-        ManifoldOptions::default().prediction(0.1),
-    );
+    let cube = solids::cuboid(Vector3::repeat(0.5)).unwrap();
+    let flush = pose([0.3, 0.2, 0.99]);
+    let options = ManifoldOptions::default().prediction(0.1);
     pair.manifold(&cube, &cube, &flush, &options, &mut manifold);
     let read = survives(&manifold, 2000, 84, |mut manifold, _| {
         pair.manifold(&cube, &cube, &flush, &options, &mut manifold);
@@ -240,10 +238,8 @@ fn numbers_changed_in_the_file_of_a_broad_phase_do_no_harm() {
 /// queries, are rejected.
 #[test]
 fn counters_and_generations_at_their_end_do_no_harm() {
-    let (a, pose) = (
-        solids::icosahedron(1.0).unwrap(),
-        RelativePose::from_isometry(&Isometry3::translation(0.1, 0.2, 0.3)).unwrap(),
-    );
+    let a = solids::icosahedron(1.0).unwrap();
+    let pose = RelativePose::from_isometry(&Isometry3::translation(0.1, 0.2, 0.3)).unwrap();
     let mut pair = Tracker::new();
     pair.closest(&a, &a, &pose);
     let text = serde_json::to_value(&pair).unwrap();

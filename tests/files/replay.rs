@@ -44,10 +44,8 @@ fn a_query_comes_back_bit_for_bit() {
                 assert_eq!(again.tracker().trace(a, b, &pose), pair.trace(a, b, &pose));
                 let bits = |o: lin_canny::Outcome| format!("{o:?}");
                 let mut other = again.tracker();
-                let (mine, theirs) = (
-                    pair.closest(a, b, &pose),
-                    other.closest(&again.a, &again.b, &again.pose),
-                );
+                let mine = pair.closest(a, b, &pose);
+                let theirs = other.closest(&again.a, &again.b, &again.pose);
                 assert_eq!(bits(mine), bits(theirs), "{replay}");
             }
         }
@@ -76,10 +74,8 @@ fn a_query_of_rounded_bodies_comes_back_bit_for_bit() {
             assert_eq!(again.shapes().map(|s| s.rounding_radius()), [round, 0.5]);
             warm += usize::from(again.start.is_some());
             let [c, d] = again.shapes();
-            let (mine, theirs) = (
-                pair.closest(&a, &b, &pose),
-                again.pair_tracker().closest(&c, &d, &again.pose),
-            );
+            let mine = pair.closest(&a, &b, &pose);
+            let theirs = again.pair_tracker().closest(&c, &d, &again.pose);
             overlaps += usize::from(mine.upper < 0.0);
             assert_eq!(format!("{mine:?}"), format!("{theirs:?}"));
         }

@@ -168,10 +168,8 @@ fn grazing_motions_are_hits_misses_or_near() {
     let mut rng = Rng::new(1913);
     let mut tally = Tally::default();
     for k in 0..60 {
-        let (a, b) = (
-            body(["sphere", "box", "rods"][k % 3], 8, &mut rng),
-            body("sphere", 8, &mut rng),
-        );
+        let a = body(["sphere", "box", "rods"][k % 3], 8, &mut rng);
+        let b = body("sphere", 8, &mut rng);
         let throw = aimed(&mut rng, (radius(&a), radius(&b)), 1.0);
         let shifted = |aside: f64| {
             let mut t = throw;

@@ -198,10 +198,8 @@ fn run(seed: u64, count: u64) {
         let start = world * Isometry3::from_parts(at.into(), UnitQuaternion::identity());
         let moving =
             Steady::about(&start, Point3::origin(), velocity).and_then(|m| m.with_acceleration(turned(&acceleration)));
-        let (moving, resting) = (
-            moving.expect("a motion"),
-            Steady::new(&world, Velocity::default()).expect("rest"),
-        );
+        let moving = moving.expect("a motion");
+        let resting = Steady::new(&world, Velocity::default()).expect("rest");
         let distance = [0.0, 2e-4 * size][rng.below(2)];
         let options = CastOptions::default()
             .tolerance(Tolerance::Distance(1e-6 * size))

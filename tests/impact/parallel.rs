@@ -49,40 +49,21 @@ fn plates_spin_over_plates() {
             let start = Isometry3::from_parts((axis * height).into(), tilt);
             Steady::new(&start, Velocity::new(linear, angular)).expect("a motion")
         };
-        let (low, high) = (
-            motion(0.0, Vector3::zeros(), under),
-            motion(0.1 + gap, slide, axis * turn),
-        );
+        let low = motion(0.0, Vector3::zeros(), under);
+        let high = motion(0.1 + gap, slide, axis * turn);
         let tolerance = Tolerance::Distance(1e-10);
-        let found = if case % 4 < 2 {
-            cast(
-                &mut Tracker::new().pair(&plate, &round),
-                &low,
-                &high,
-                0.0..1.0,
-                tolerance,
-            )
+        let (first, second) = if case % 4 < 2 {
+            (&plate, &round)
         } else {
-            cast(
-                &mut Tracker::new().pair(&round, &plate),
-                &high,
-                &low,
-                0.0..1.0,
-                tolerance,
-            )
+            (&round, &plate)
         };
-        let found = found.expect("a cast");
-        assert_eq!(
-            found.impact,
-            Impact::Miss,
-            "{case}: gap {gap:e}, turn {turn}: {found:?}"
-        );
+        let (of_first, of_second) = if case % 4 < 2 { (&low, &high) } else { (&high, &low) };
+        let mut tracker = Tracker::new();
+        let mut pair = tracker.pair(first, second);
+        let found = cast(&mut pair, of_first, of_second, 0.0..1.0, tolerance).expect("a cast");
         let bound = most_looks(gap, turn);
-        assert!(
-            found.queries <= bound,
-            "{case}: gap {gap:e}, turn {turn}: {} looks, {bound}",
-            found.queries
-        );
+        let is_missed = found.impact == Impact::Miss && found.queries <= bound;
+        assert!(is_missed, "{case}: gap {gap:e}, turn {turn}, bound {bound}: {found:?}");
         most = most.max(found.queries);
     }
     eprintln!("{most} looks at most");
@@ -118,10 +99,8 @@ fn plates_that_sink_meet_on_time() {
 /// Two bodies rotate as one with a tiny gap: a long step has no margin left, a shorter one has.
 #[test]
 fn bodies_carried_round_a_hair_apart_never_meet() {
-    let (cube, other) = (
-        solid(&shapes::cuboid([0.5, 0.5, 0.5]).points),
-        solid(&shapes::prism(7, 0.5, 0.5).points),
-    );
+    let cube = solid(&shapes::cuboid([0.5, 0.5, 0.5]).points);
+    let other = solid(&shapes::prism(7, 0.5, 0.5).points);
     let mut rng = Rng::new(1926);
     for case in 0..200 {
         let gap = rng.log_range(3e-12, 1e-2);
@@ -138,16 +117,8 @@ fn bodies_carried_round_a_hair_apart_never_meet() {
         let mut tracker = Tracker::new();
         let mut pair = tracker.pair(&cube, &other);
         let found = cast(&mut pair, &a, &b, 0.0..1.0, Tolerance::Distance(1e-10)).expect("a cast");
-        assert_eq!(
-            found.impact,
-            Impact::Miss,
-            "{case}: gap {gap:e}, turn {turn}: {found:?}"
-        );
         let bound = most_looks(gap, turn);
-        assert!(
-            found.queries <= bound,
-            "{case}: gap {gap:e}, turn {turn}: {} looks, {bound}",
-            found.queries
-        );
+        let is_missed = found.impact == Impact::Miss && found.queries <= bound;
+        assert!(is_missed, "{case}: gap {gap:e}, turn {turn}, bound {bound}: {found:?}");
     }
 }

@@ -22,10 +22,8 @@ fn ray_at(rng: &mut Rng, at: &Isometry3<f64>, size: f64) -> Ray {
 
 /// Returns the part of a ray inside all half-spaces of a hull at a pose.
 fn clipped(hull: &ConvexPolyhedron, at: &Isometry3<f64>, ray: &Ray) -> Option<(f64, f64)> {
-    let (origin, way) = (
-        at.inverse_transform_point(&ray.origin),
-        at.inverse_transform_vector(&ray.direction),
-    );
+    let origin = at.inverse_transform_point(&ray.origin);
+    let way = at.inverse_transform_vector(&ray.direction);
     let (mut from, mut until) = (0.0_f64, f64::INFINITY);
     for face in hull.faces() {
         let (n, offset) = hull.face_plane(face).expect("a face");
@@ -133,10 +131,8 @@ fn rays_meet_balls_and_sheets() {
     for k in 0..300 {
         let at = pose(&mut rng, 1.0);
         let ray = ray_at(&mut rng, &at, 1.0);
-        let (origin, way) = (
-            at.inverse_transform_point(&ray.origin),
-            at.inverse_transform_vector(&ray.direction),
-        );
+        let origin = at.inverse_transform_point(&ray.origin);
+        let way = at.inverse_transform_vector(&ray.direction);
         let along = -origin.coords.dot(&way);
         let square = 0.49 - (origin.coords + way * along).norm_squared();
         let expected = (square > 0.0).then(|| (along - square.sqrt(), along + square.sqrt()));

@@ -37,10 +37,8 @@ fn planes(body: &ConvexPolyhedron, pose: &Pose) -> Vec<(Exact3, Exact3)> {
 
 /// Returns the distances between which a ray is in a body; `None` if it misses the body.
 fn inside(planes: &[(Exact3, Exact3)], ray: &Ray) -> Option<(RBig, Option<RBig>)> {
-    let (origin, way) = (
-        <[f64; 3]>::from(ray.origin.coords).map(exact),
-        <[f64; 3]>::from(ray.direction.into_inner()).map(exact),
-    );
+    let origin = <[f64; 3]>::from(ray.origin.coords).map(exact);
+    let way = <[f64; 3]>::from(ray.direction.into_inner()).map(exact);
     let (mut from, mut until) = (RBig::ZERO, None);
     for (normal, corner) in planes {
         let (height, rise) = (dot(normal, &sub(&origin, corner)), dot(normal, &way));

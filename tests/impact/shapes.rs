@@ -81,10 +81,8 @@ fn every_pair_of_kinds_is_apart_until_it_is_hit() {
     let shapes = kinds(&mut Rng::new(5));
     for case in 0..700 {
         let mut rng = Rng::of_case(78, case);
-        let (a, b) = (
-            &shapes[case as usize % shapes.len()],
-            &shapes[case as usize / shapes.len() % shapes.len()],
-        );
+        let a = &shapes[case as usize % shapes.len()];
+        let b = &shapes[case as usize / shapes.len() % shapes.len()];
         let turn = [0.0, 0.3, 1.0, 6.0][rng.below(4)];
         let throw = casts::aimed(&mut rng, (a.bounding_ball().1, b.bounding_ball().1), turn);
         let motions = [0, 1].map(|k| steady(&throw.start[k], throw.velocity[k].linear, throw.velocity[k].angular));

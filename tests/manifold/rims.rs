@@ -107,10 +107,8 @@ fn contacts_kept_along_straight_rims_are_sound() {
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
         let mut options = ManifoldOptions::default().prediction(0.1);
         options.rebuild_motion = 0.0;
-        let (gap, drawn) = (
-            rng.log_range(1e-6, 3e-2),
-            rng.log_range(1e-17, 1e-3) * if rng.chance(0.5) { 1.0 } else { -1.0 },
-        );
+        let gap = rng.log_range(1e-6, 3e-2);
+        let drawn = rng.log_range(1e-17, 1e-3) * if rng.chance(0.5) { 1.0 } else { -1.0 };
         let step = rng.log_range(1e-4, 0.05);
         // Rotated together, rounding alone decides on which side of one edge the other lies.
         let q = [Pose::IDENTITY.q, rng.quat()][usize::from(rng.chance(0.7))];

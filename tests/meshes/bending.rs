@@ -168,10 +168,8 @@ fn clones_bent_in_other_ways_are_told_apart() {
     let mut tracker = PairTracker::new();
     for (frame, pose) in motion(60, 9).iter().enumerate() {
         let time = frame as f64 / 59.0;
-        let (one, two) = (
-            rest.clone().map(|p| bent("wave", time, p)),
-            rest.clone().map(|p| bent("crumple", time, p)),
-        );
+        let one = rest.clone().map(|p| bent("wave", time, p));
+        let two = rest.clone().map(|p| bent("crumple", time, p));
         p.set_vertices(&vertices(&one)).unwrap();
         q.set_vertices(&vertices(&two)).unwrap();
         let (soup, m) = if frame % 3 == 1 { (&two, &q) } else { (&one, &p) };
@@ -344,10 +342,8 @@ fn meshes_that_change_their_size_are_right() {
         m.set_vertices(&vertices(&now)).unwrap();
         let fresh = mesh(&now);
         let pose = Pose::shift([3.0 * size, 0.1 * size, 0.0]);
-        let (p, q) = (
-            tracker.closest(&m, &m, &relative(&pose)),
-            PairTracker::new().closest(&fresh, &fresh, &relative(&pose)),
-        );
+        let p = tracker.closest(&m, &m, &relative(&pose));
+        let q = PairTracker::new().closest(&fresh, &fresh, &relative(&pose));
         assert!(
             p.state == ContactState::Separated && (p.distance - q.distance).abs() < 1e-13 * size,
             "{exponent}"

@@ -146,10 +146,8 @@ fn ask_in_turn(first: &Mesh, second: &Mesh, calls: usize) {
         for j in (0..4).rev() {
             tracker.closest(first, &probe, &pose(k + j));
         }
-        let (found, fresh) = (
-            tracker.closest(second, &probe, &pose(k)),
-            PairTracker::new().closest(second, &probe, &pose(k)),
-        );
+        let found = tracker.closest(second, &probe, &pose(k));
+        let fresh = PairTracker::new().closest(second, &probe, &pose(k));
         assert_eq!(found.state, fresh.state, "{k}");
         assert!(
             found.lower <= fresh.upper && fresh.lower <= found.upper,
@@ -209,10 +207,8 @@ fn one_list_bends_two_numberings_to_two_bodies() {
         let mut tracker = PairTracker::new();
         for k in 0..6 {
             let body = bodies[k % 2];
-            let (found, fresh) = (
-                tracker.closest(body, &probe, &pose),
-                PairTracker::new().closest(body, &probe, &pose),
-            );
+            let found = tracker.closest(body, &probe, &pose);
+            let fresh = PairTracker::new().closest(body, &probe, &pose);
             assert!(
                 found.lower <= fresh.upper && fresh.lower <= found.upper,
                 "{k}: {found:?} {fresh:?}"
@@ -226,10 +222,8 @@ fn one_list_bends_two_numberings_to_two_bodies() {
                     "{k} {d}"
                 );
             }
-            let (now, fresh) = (
-                tracker.lower_bound(other, &probe, &pose),
-                PairTracker::new().closest(other, &probe, &pose),
-            );
+            let now = tracker.lower_bound(other, &probe, &pose);
+            let fresh = PairTracker::new().closest(other, &probe, &pose);
             assert!(now <= fresh.upper, "{k}: {now} {fresh:?}");
         }
     }
@@ -277,10 +271,7 @@ fn every_kind_that_a_body_is_turned_into_is_the_body() {
         assert_eq!(BezierSurface::from_convex(&body).is_ok(), body.face_count() > 0);
         forms.extend(Mesh::from_convex(&body).ok().map(Geometry::from));
         for _ in 0..12 {
-            let pose = truth::Pose {
-                q: rng.quat(),
-                t: rng.in_ball().map(|x| 1.5 * x),
-            };
+            let pose = truth::Pose::new(rng.quat(), rng.in_ball().map(|x| 1.5 * x));
             let pose = super::relative(&pose);
             for (other, convex) in &partners {
                 let truth = PairTracker::new().closest(&body, convex, &pose);

@@ -104,10 +104,8 @@ impl Tally {
             return;
         };
         for _ in 0..4 {
-            let (from, to) = (
-                Point3::from(rng.unit().map(|x| 3.0 * x)),
-                Point3::from(rng.unit().map(|x| 0.6 * x)),
-            );
+            let from = Point3::from(rng.unit().map(|x| 3.0 * x));
+            let to = Point3::from(rng.unit().map(|x| 0.6 * x));
             let ray = Ray::new(from, to - from).unwrap();
             let cast = |mesh: &Mesh| RayCaster::new().cast(mesh, &Isometry3::identity(), &ray, 9.0).unwrap();
             match (cast(m), cast(&fresh)) {

@@ -47,10 +47,8 @@ fn in_turn(bodies: &[Geometry], other: &Geometry, poses: &[RelativePose]) {
     let mut tracker = PairTracker::new();
     for (k, pose) in poses.iter().enumerate() {
         let body = &bodies[k % bodies.len()];
-        let (found, fresh) = (
-            tracker.closest(body, other, pose),
-            PairTracker::new().closest(body, other, pose),
-        );
+        let found = tracker.closest(body, other, pose);
+        let fresh = PairTracker::new().closest(body, other, pose);
         assert!(agree(&found, &fresh), "{k}: {found:?} {fresh:?}");
         let next = &bodies[(k + 1) % bodies.len()];
         let fresh = PairTracker::new().closest(next, other, pose);
@@ -108,10 +106,8 @@ fn numbers_of_vertices_tell_meshes_apart() {
     let mut tracker = PairTracker::new();
     for k in 0..12 {
         let mesh = &meshes[k % 3];
-        let (found, fresh) = (
-            tracker.self_closest(mesh).unwrap(),
-            PairTracker::new().self_closest(mesh).unwrap(),
-        );
+        let found = tracker.self_closest(mesh).unwrap();
+        let fresh = PairTracker::new().self_closest(mesh).unwrap();
         assert!(agree(&found, &fresh), "{k}: {found:?} {fresh:?}");
     }
 }
@@ -204,10 +200,8 @@ fn features_are_tried_on_the_bodies_that_are_asked() {
     let options = ManifoldOptions::default().prediction(0.05);
     for (k, pose) in poses(200, 1.2, 8).iter().enumerate() {
         let body = &bodies[k % 4];
-        let (found, fresh) = (
-            tracker.closest(body, &other, pose),
-            Tracker::new().closest(body, &other, pose),
-        );
+        let found = tracker.closest(body, &other, pose);
+        let fresh = Tracker::new().closest(body, &other, pose);
         assert!(
             found.lower <= fresh.upper && fresh.lower <= found.upper,
             "{k}: {found:?} {fresh:?}"

@@ -33,12 +33,10 @@ fn crossing(k: usize, degrees: f64, gap: f64) -> Pose {
 
 #[test]
 fn fronts_of_long_parts_hold_what_they_claim() {
-    let (shaft, bearing, tray, link) = (
-        mesh(&turned::shaft(90)),
-        mesh(&turned::bearing(48, 1.05)),
-        mesh(&turned::tray(6)),
-        mesh(&turned::link(20)),
-    );
+    let shaft = mesh(&turned::shaft(90));
+    let bearing = mesh(&turned::bearing(48, 1.05));
+    let tray = mesh(&turned::tray(6));
+    let link = mesh(&turned::link(20));
     let mut entries = 0;
     let mut follow = |a: &Mesh, b: &Mesh, pose: &dyn Fn(usize) -> Pose| {
         let mut tracker = PairTracker::new();

@@ -166,7 +166,7 @@ fn an_origin_next_to_a_face_of_a_hull_is_on_its_side_of_it() {
         } else {
             rng.in_ball().map(|x| 10.0 * x)
         };
-        let at = truth::Pose { q: turn, t };
+        let at = truth::Pose::new(turn, t);
         let height = [0.0, rng.log_range(1e-17, 1e-14), -rng.log_range(1e-17, 1e-14)][k % 3];
         let [x, y] = [rng.range(-1.0, 1.0), rng.range(-0.5, 0.5)];
         let origin = Point3::from(at.apply([x, y, 2.0 + height]));
@@ -228,10 +228,8 @@ fn spikes_smaller_than_a_body_may_be_are_decided() {
                 let points: Vec<_> = body.vertex_points().map(|p| p * scale).collect();
                 ConvexPolyhedron::from_points(&points).expect("a body")
             };
-            let (block, spike) = (
-                scaled(&solids::cuboid(Vector3::repeat(0.5)).expect("a cube")),
-                scaled(&spike),
-            );
+            let block = scaled(&solids::cuboid(Vector3::repeat(0.5)).expect("a cube"));
+            let spike = scaled(&spike);
             let mesh = |body| Geometry::from(Mesh::from_convex(body).expect("a mesh"));
             let bodies = [mesh(&block), mesh(&spike), Geometry::from(spike), Geometry::from(block)];
             [(0, 1), (1, 0), (0, 2), (1, 3), (3, 1)].map(|(i, j)| {

@@ -129,10 +129,8 @@ fn a_shape_inside_a_solid_overlaps_and_inside_a_surface_does_not() {
 #[test]
 fn a_box_in_a_box_of_the_same_size_overlaps_and_beside_it_touches() {
     let cube = soups::plate(2, [0.5, 0.5, 0.5]);
-    let (m, body) = (
-        mesh(&cube),
-        Compound::from(Shape::cuboid(Vector3::repeat(0.5)).unwrap()),
-    );
+    let m = mesh(&cube);
+    let body = Compound::from(Shape::cuboid(Vector3::repeat(0.5)).unwrap());
     for (t, state) in [
         ([0.0, 0.0, 0.0], ContactState::Overlapping),
         ([0.5, 0.0, 0.0], ContactState::Overlapping),

@@ -207,11 +207,9 @@ fn exact_bounds_agree_with_the_corpus() {
         let (a, b) = (body(&c.a), body(&c.b));
         let o = Tracker::new().closest(&a, &b, &between(&c.pose_a, &c.pose_b));
         let n = c.pose_a.isometry().rotation * o.normal;
-        let (n, p, q) = (
-            n.into_inner().into(),
-            o.point_on_a.coords.into(),
-            o.point_on_b.coords.into(),
-        );
+        let n = n.into_inner().into();
+        let p = o.point_on_a.coords.into();
+        let q = o.point_on_b.coords.into();
         let low = bound::support_gap((&c.a).into(), &c.pose_a, (&c.b).into(), &c.pose_b, n);
         let high = bound::witness_distance(p, &c.pose_a, q, &c.pose_b);
         let (d, slack) = (c.distance.expect("separated cases have a distance"), 1e-14 * c.size());

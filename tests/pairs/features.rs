@@ -10,6 +10,7 @@ use lin_canny::{ContactState, ConvexPolyhedron, RelativePose, Tracker};
 use truth::motion::{orbit_and_spin, random_poses};
 use truth::pose::radius;
 use truth::rng::Rng;
+use truth::rows::{numbers, rows};
 use truth::support;
 use truth::support::kinds;
 
@@ -50,7 +51,7 @@ fn diamond_along_y() -> ConvexPolyhedron {
 
 /// B shifted by `shift`; the closest points in A's frame, and the kinds of the features.
 struct Case {
-    name: &'static str,
+    name: String,
     a: ConvexPolyhedron,
     b: ConvexPolyhedron,
     shift: [f64; 3],
@@ -60,89 +61,24 @@ struct Case {
 }
 
 fn cases() -> Vec<Case> {
-    let case = |name, a, b, shift, on_a, on_b, kinds| Case {
-        name,
-        a,
-        b,
-        shift,
-        on_a,
-        on_b,
-        kinds,
+    let body = |name: &str| match name {
+        "cube" => cube(),
+        "octahedron" => octahedron(),
+        "diamond along z" => diamond_along_z(),
+        "diamond along y" => diamond_along_y(),
+        _ => panic!("{name}"),
     };
-    vec![
-        case(
-            "corner to corner",
-            cube(),
-            cube(),
-            [3.0, 4.0, 5.0],
-            [1.0; 3],
-            [2.0, 3.0, 4.0],
-            (0, 0),
-        ),
-        case(
-            "tip to tip",
-            octahedron(),
-            octahedron(),
-            [3.0, 0.1, 0.1],
-            [1.0, 0.0, 0.0],
-            [2.0, 0.1, 0.1],
-            (0, 0),
-        ),
-        case(
-            "tip to edge",
-            octahedron(),
-            diamond_along_z(),
-            [4.0, 0.0, 0.5],
-            [1.0, 0.0, 0.0],
-            [3.0, 0.0, 0.0],
-            (0, 1),
-        ),
-        case(
-            "edge to tip",
-            diamond_along_z(),
-            octahedron(),
-            [4.0, 0.0, -0.25],
-            [1.0, 0.0, -0.25],
-            [3.0, 0.0, -0.25],
-            (1, 0),
-        ),
-        case(
-            "tip to face",
-            octahedron(),
-            cube(),
-            [3.5, 0.25, -0.5],
-            [1.0, 0.0, 0.0],
-            [2.5, 0.0, 0.0],
-            (0, 2),
-        ),
-        case(
-            "face to tip",
-            cube(),
-            octahedron(),
-            [0.5, -0.25, 2.5],
-            [0.5, -0.25, 1.0],
-            [0.5, -0.25, 1.5],
-            (2, 0),
-        ),
-        case(
-            "edges crossed",
-            diamond_along_z(),
-            diamond_along_y(),
-            [4.0, 0.25, 0.5],
-            [1.0, 0.0, 0.5],
-            [3.0, 0.0, 0.5],
-            (1, 1),
-        ),
-        case(
-            "edges crossed the other way",
-            diamond_along_y(),
-            diamond_along_z(),
-            [-4.0, -0.5, 0.0],
-            [-1.0, -0.5, 0.0],
-            [-3.0, -0.5, 0.0],
-            (1, 1),
-        ),
-    ]
+    let case = |[name, a, b, shift, on_a, on_b, kinds]: [String; 7]| Case {
+        name,
+        a: body(&a),
+        b: body(&b),
+        shift: numbers(&shift),
+        on_a: numbers(&on_a),
+        on_b: numbers(&on_b),
+        kinds: numbers::<2>(&kinds).map(|kind| kind as usize).into(),
+    };
+    let rows = rows(include_str!("features.txt"), "cases");
+    rows.into_iter().map(case).collect()
 }
 
 /// Checks the case in a moved world, where nothing is aligned with an axis.
@@ -158,7 +94,7 @@ fn check(case: &Case, world: &Isometry3<f64>, swap: bool) {
     let wanted = if swap { (case.kinds.1, case.kinds.0) } else { case.kinds };
     let o = Tracker::new().closest(a, b, &RelativePose::new(&pose_a, &pose_b).expect("a pose"));
     let distance = (Point3::from(at_a) - Point3::from(at_b)).norm();
-    let name = case.name;
+    let name = &case.name;
     assert_eq!(o.state, ContactState::Separated, "{name}");
     assert_eq!(kinds(o.features), wanted, "{name}, swapped {swap}: {}", o.features);
     assert!(
@@ -182,12 +118,7 @@ fn hand_made_cases() {
         for swap in [false, true] {
             check(&case, &Isometry3::identity(), swap);
             for _ in 0..20 {
-                let rotation = truth::Pose {
-                    q: rng.quat(),
-                    t: [0.0; 3],
-                }
-                .isometry()
-                .rotation;
+                let rotation = truth::Pose::new(rng.quat(), [0.0; 3]).isometry().rotation;
                 let place = Translation3::new(rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), rng.range(-1.0, 1.0));
                 check(&case, &Isometry3::from_parts(place, rotation), swap);
             }

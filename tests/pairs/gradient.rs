@@ -41,10 +41,8 @@ const STEP: f64 = 1e-6;
 /// Returns the forward and backward rates of the exact signed distance.
 fn rates(a: &Shape, b: &Shape, frame: &Frame, twists: &Twists) -> (f64, f64) {
     let now = truth(a, b, frame);
-    let (ahead, behind) = (
-        truth(a, b, &after(frame, twists, STEP)),
-        truth(a, b, &after(frame, twists, -STEP)),
-    );
+    let ahead = truth(a, b, &after(frame, twists, STEP));
+    let behind = truth(a, b, &after(frame, twists, -STEP));
     ((ahead - now) / STEP, (now - behind) / STEP)
 }
 

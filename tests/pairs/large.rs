@@ -180,10 +180,8 @@ fn answers_on_large_features_are_right_warm_and_cold() {
             for degrees in [Some(0.5), Some(5.0), None] {
                 let mut pair = Tracker::new();
                 for f in frames(&a, &b, degrees, 25, &mut rng) {
-                    let (warm, cold) = (
-                        pair.closest(&a, &b, &relative(&f)),
-                        Tracker::new().closest(&a, &b, &relative(&f)),
-                    );
+                    let warm = pair.closest(&a, &b, &relative(&f));
+                    let cold = Tracker::new().closest(&a, &b, &relative(&f));
                     assert_eq!(warm.state, ContactState::Separated, "{x} and {y}");
                     assert_proven(&a, &b, &f, &warm);
                     assert_proven(&a, &b, &f, &cold);
@@ -210,10 +208,8 @@ fn answers_on_large_features_agree_with_exact_ones() {
                     b: Pose { t, ..f.b },
                     ..f
                 };
-                let (o, truth) = (
-                    Tracker::new().closest(&a, &b, &relative(&f)),
-                    Tracker::new().closest_exact(&a, &b, &relative(&f)),
-                );
+                let o = Tracker::new().closest(&a, &b, &relative(&f));
+                let truth = Tracker::new().closest_exact(&a, &b, &relative(&f));
                 assert_eq!(o.state, truth.state, "{x} and {y} at {gap}");
                 assert!(
                     (o.distance - truth.distance).abs() <= 5e-14,

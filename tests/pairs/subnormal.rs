@@ -32,10 +32,8 @@ fn bodies_apart_by_less_than_the_least_number_do_not_intersect() {
     for side in [1e-30, 1e-33, 1e-60, 1e-98] {
         let square = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side]].map(|[x, y]| Point3::new(x, y, 0.0));
         let plate = ConvexPolyhedron::polygon(&square).unwrap();
-        let (p, q) = (
-            Point3::new(0.2 * side, 0.3 * side, 0.0),
-            Point3::new(0.4 * side, 0.5 * side, 0.0),
-        );
+        let p = Point3::new(0.2 * side, 0.3 * side, 0.0);
+        let q = Point3::new(0.4 * side, 0.5 * side, 0.0);
         let needle = ConvexPolyhedron::segment(p, q).unwrap();
         let turn = UnitQuaternion::new_unchecked(Quaternion::new(1.0, 1e-300, 0.0, 0.0));
         let pose = RelativePose::from_isometry(&Isometry3::from_parts(Translation3::identity(), turn)).unwrap();

@@ -21,11 +21,9 @@ fn at(a: &Steady, b: &Steady, time: f64) -> RelativePose {
 
 /// Returns the first time at which two balls whose radii add up to `reach` meet.
 fn meeting(from: Vector3<f64>, velocity: Vector3<f64>, reach: f64) -> Option<f64> {
-    let (a, b, c) = (
-        velocity.norm_squared(),
-        from.dot(&velocity),
-        from.norm_squared() - reach * reach,
-    );
+    let a = velocity.norm_squared();
+    let b = from.dot(&velocity);
+    let c = from.norm_squared() - reach * reach;
     let root = b * b - a * c;
     (root > 0.0 && b < 0.0).then(|| c / (-b + root.sqrt()))
 }
@@ -70,10 +68,8 @@ fn spheres_meet_on_time() {
             velocity
         };
         let spin = Vector3::from(rng.unit()) * rng.range(0.0, 4.0);
-        let (a, b) = (
-            moving(Vector3::zeros(), Vector3::zeros(), spin),
-            moving(from, velocity, -spin),
-        );
+        let a = moving(Vector3::zeros(), Vector3::zeros(), spin);
+        let b = moving(from, velocity, -spin);
         let keep = if k % 3 == 0 { 0.1 } else { 0.0 };
         let truth = meeting(from, velocity, 1.4 + keep);
         if truth.is_some_and(|t| (t - 1.0).abs() < 1e-3) {
@@ -119,10 +115,8 @@ fn patches_meet_shapes_never_late() {
             let surface = BezierSurface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
             let from = Vector3::from(rng.unit()) * rng.range(1.5, 2.5);
             let aside = Vector3::from(rng.unit()) * rng.range(0.0, 2.4);
-            let (a, b) = (
-                moving(Vector3::zeros(), Vector3::zeros(), Vector3::from(rng.unit())),
-                moving(from, aside - from * 1.5, Vector3::from(rng.unit()) * 2.0),
-            );
+            let a = moving(Vector3::zeros(), Vector3::zeros(), Vector3::from(rng.unit()));
+            let b = moving(from, aside - from * 1.5, Vector3::from(rng.unit()) * 2.0);
             let mut tracker = PairTracker::new();
             if tracker.decide_within(&surface, shape, &at(&a, &b, 0.0), 1e-3, &QueryOptions::default()) != Decision::No
             {
@@ -166,10 +160,8 @@ fn patches_meet_patches_never_late() {
         let b = BezierSurface::new(vec![bumpy(&mut rng, [2, 2], 0.5)]).expect("a surface");
         let from = Vector3::from(rng.unit()) * 3.0;
         let aside = Vector3::from(rng.unit()) * rng.range(0.0, 2.0);
-        let (x, y) = (
-            moving(Vector3::zeros(), Vector3::zeros(), Vector3::from(rng.unit())),
-            moving(from, aside - from, Vector3::from(rng.unit())),
-        );
+        let x = moving(Vector3::zeros(), Vector3::zeros(), Vector3::from(rng.unit()));
+        let y = moving(from, aside - from, Vector3::from(rng.unit()));
         let mut tracker = PairTracker::new();
         let mut pair = tracker.pair(&a, &b);
         let found = cast(&mut pair, &x, &y, 0.0..1.0, Tolerance::Distance(1e-4)).expect("a cast");

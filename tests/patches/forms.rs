@@ -67,14 +67,10 @@ fn a_sphere_and_the_side_of_a_cylinder() {
 #[test]
 fn flat_patches_are_polyhedra() {
     let mut rng = Rng::new(5);
-    let (die, gem) = (
-        solids::cuboid(Vector3::new(0.5, 0.7, 0.3)).expect("a box"),
-        solids::octahedron(0.8).expect("an octahedron"),
-    );
-    let (a, b) = (
-        BezierSurface::from_convex(&die).expect("faces"),
-        BezierSurface::from_convex(&gem).expect("faces"),
-    );
+    let die = solids::cuboid(Vector3::new(0.5, 0.7, 0.3)).expect("a box");
+    let gem = solids::octahedron(0.8).expect("an octahedron");
+    let a = BezierSurface::from_convex(&die).expect("faces");
+    let b = BezierSurface::from_convex(&gem).expect("faces");
     assert!(a.is_closed() && b.is_closed());
     let ball = sphere(0.8);
     let round = Shape::ball(0.8).expect("a ball");

@@ -379,10 +379,8 @@ fn globe(n: usize) -> Mesh {
     let mut points = Vec::new();
     for i in 0..=n {
         for j in 0..2 * n {
-            let (s, t) = (
-                std::f64::consts::PI * i as f64 / n as f64,
-                std::f64::consts::PI * j as f64 / n as f64,
-            );
+            let s = std::f64::consts::PI * i as f64 / n as f64;
+            let t = std::f64::consts::PI * j as f64 / n as f64;
             points.push(Point3::new(s.sin() * t.cos(), s.sin() * t.sin(), s.cos()));
         }
     }

@@ -1,8 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Point3;
-use lin_canny::{ContactState, Mesh, MeshKind, PointQuery};
-use truth::driven::exact_place::Place;
+use lin_canny::{Mesh, MeshKind, PointQuery};
 use truth::faults::{BROKEN_KINDS, broken};
 use truth::near_points::{POINT_KINDS, hard_point, is_between, place, place_beside};
 use truth::rng::Rng;
@@ -53,11 +52,7 @@ impl Judged {
             } else {
                 place_beside(&soup, p)
             };
-            let state = match truth {
-                Place::Outside => ContactState::Separated,
-                Place::On => ContactState::Touching,
-                Place::Inside => ContactState::Overlapping,
-            };
+            let state = truth.state();
             assert_eq!(found.state, state, "{told}");
             let (x, y) = (found.lower.abs(), found.upper.abs());
             let (lower, upper) = (x.min(y), x.max(y));

@@ -8,7 +8,6 @@ use lin_canny::{
     Cloud, CloudElement, Compound, ContactState, ConvexPolyhedron, Geometry, HalfSpace, Mesh, PointOutcome, PointQuery,
     Shape,
 };
-use truth::driven::exact_place::Place;
 use truth::near_points::{POINT_KINDS, hard_point, is_between, is_between_of, place};
 use truth::rng::Rng;
 use truth::soups::Soup;
@@ -348,11 +347,7 @@ fn polyhedra_of_all_sizes_have_the_sides_and_distances_of_exact_arithmetic() {
                 let told = format!("{told}, {p:?}: {found:?}");
                 let flush = soup.radius() * 2f64.powi(-202);
                 let p = p.map(|x| if x.abs() < flush { 0.0 } else { x });
-                let state = match place(&soup, p, &mut rng) {
-                    Place::Outside => ContactState::Separated,
-                    Place::On => ContactState::Touching,
-                    Place::Inside => ContactState::Overlapping,
-                };
+                let state = place(&soup, p, &mut rng).state();
                 assert_eq!(found.state, state, "{told}");
                 let (x, y) = (found.lower.abs(), found.upper.abs());
                 let lower = if found.lower <= 0.0 && found.upper >= 0.0 {

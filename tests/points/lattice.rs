@@ -1,5 +1,5 @@
 use lin_canny::nalgebra::Point3;
-use lin_canny::{ContactState, Mesh, MeshKind, PointQuery};
+use lin_canny::{Mesh, MeshKind, PointQuery};
 use truth::driven::exact_place::Place;
 use truth::lattice_points::{LATTICE_KINDS, LatticeMesh, float};
 use truth::near_points::{MESH_KINDS, hard_mesh, is_between, place};
@@ -20,7 +20,7 @@ fn judge(count: usize, seed: u64) {
             let mut soup = hard_mesh(mesh_kind, &mut rng);
             if pass % 2 == 1 {
                 let (q, t) = (rng.quat(), [0.3, 0.1, -0.7]);
-                soup = soup.moved(&truth::Pose { q, t });
+                soup = soup.moved(&truth::Pose::new(q, t));
             }
             let exact = LatticeMesh::new(&soup);
             let soup = exact.soup(exponent);
@@ -37,11 +37,7 @@ fn judge(count: usize, seed: u64) {
             for (k, found) in found.iter().enumerate() {
                 let told = || format!("mesh {mesh_kind} times 2^{exponent}, {:?}: {found:?}", points[k]);
                 let truth = exact.place(points[k]);
-                let state = match truth {
-                    Place::Outside => ContactState::Separated,
-                    Place::On => ContactState::Touching,
-                    Place::Inside => ContactState::Overlapping,
-                };
+                let state = truth.state();
                 assert_eq!(found.state, state, "{}", told());
                 assert_eq!(held[k], truth != Place::Outside, "contains: {}", told());
                 tally[truth as usize] += 1;

@@ -1,18 +1,14 @@
 use lin_canny::nalgebra::Point3;
-use lin_canny::{ContactState, Mesh, MeshKind, PointError, PointQuery, PointTracker};
+use lin_canny::{ContactState, MeshKind, PointError, PointQuery, PointTracker};
 use truth::driven::exact_place::Place;
+use truth::forms::mesh;
 use truth::near_points::{MESH_KINDS, POINT_KINDS, hard_mesh, hard_point, is_between, place};
 use truth::rng::Rng;
 use truth::soups::Soup;
 
-fn mesh_of(soup: &Soup) -> Mesh {
-    let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
-    Mesh::new(&points, &soup.triangles).expect("a mesh")
-}
-
 /// Checks points against exact truth; returns how many are outside, on and inside.
 fn judge(soup: &Soup, count: usize, rng: &mut Rng, told: &str) -> [usize; 3] {
-    let mesh = mesh_of(soup);
+    let mesh = mesh(soup);
     assert_eq!(mesh.kind(), MeshKind::Solid, "{told}");
     let points: Vec<_> = (0..count).map(|k| hard_point(soup, k % POINT_KINDS, rng)).collect();
     let query = PointQuery::new(&mesh);
@@ -27,17 +23,11 @@ fn judge(soup: &Soup, count: usize, rng: &mut Rng, told: &str) -> [usize; 3] {
         let flush = soup.radius() * 2f64.powi(-202);
         let p = p.map(|x| if x.abs() < flush { 0.0 } else { x });
         let truth = place(soup, p, rng);
-        let state = match truth {
-            Place::Outside => ContactState::Separated,
-            Place::On => ContactState::Touching,
-            Place::Inside => ContactState::Overlapping,
-        };
+        let state = truth.state();
         tally[truth as usize] += 1;
         assert_eq!(found.state, state, "{told}");
-        let (lower, upper) = (
-            found.lower.abs().min(found.upper.abs()),
-            found.upper.abs().max(found.lower.abs()),
-        );
+        let lower = found.lower.abs().min(found.upper.abs());
+        let upper = found.upper.abs().max(found.lower.abs());
         assert!(is_between(soup, p, lower, upper), "{told}");
         let width = upper - lower;
         assert!(width <= 2e-14 * (soup.radius() + upper), "{width:e}: {told}");
@@ -58,10 +48,7 @@ fn sides_and_distances_of_meshes_are_those_of_exact_arithmetic() {
         for kind in 0..MESH_KINDS {
             let mut soup = hard_mesh(kind, &mut rng);
             if pass == 1 {
-                let pose = truth::Pose {
-                    q: rng.quat(),
-                    t: [0.3, 0.1, -0.7],
-                };
+                let pose = truth::Pose::new(rng.quat(), [0.3, 0.1, -0.7]);
                 soup = soup.moved(&pose);
             }
             let soup = soup.map(|p| p.map(|x| x * scale));
@@ -80,7 +67,7 @@ fn a_mesh_far_from_the_origin_is_measured_as_one_at_the_origin() {
     for shift in [1e3, 1e6, 2f64.powi(40)] {
         for kind in [0, 1, 2, 5, 8] {
             let soup = hard_mesh(kind, &mut rng).map(|p| p.map(|x| x + shift));
-            let mesh = mesh_of(&soup);
+            let mesh = mesh(&soup);
             let query = PointQuery::new(&mesh);
             for k in 0..20 {
                 let corners = soup.corners(rng.below(soup.triangles.len()));
@@ -102,7 +89,7 @@ fn a_mesh_far_from_the_origin_is_measured_as_one_at_the_origin() {
 fn an_open_mesh_contains_its_surface_alone() {
     let mut soup = hard_mesh(0, &mut Rng::new(1));
     let lid = soup.triangles.pop().expect("a triangle");
-    let mesh = mesh_of(&soup);
+    let mesh = mesh(&soup);
     let query = PointQuery::new(&mesh).prepared();
     let inside = Point3::new(0.1, 0.2, 0.0);
     let found = query.closest_point(&inside).expect("a point");
@@ -122,7 +109,7 @@ fn meshes_with_faults_follow_the_winding_number() {
     for _ in 0..40 {
         let clean = truth::faults::on_grid(hard_mesh(rng.below(9), &mut rng));
         let soup = truth::faults::faulty(&clean, &mut rng);
-        let mesh = mesh_of(&soup);
+        let mesh = mesh(&soup);
         if mesh.kind() != MeshKind::Solid {
             continue;
         }
@@ -145,7 +132,7 @@ fn meshes_with_faults_follow_the_winding_number() {
 
 #[test]
 fn a_batch_names_a_point_that_is_not_finite() {
-    let mesh = mesh_of(&hard_mesh(0, &mut Rng::new(1)));
+    let mesh = mesh(&hard_mesh(0, &mut Rng::new(1)));
     let query = PointQuery::new(&mesh);
     let mut points = vec![Point3::origin(); 5];
     for bad in [f64::NAN, f64::INFINITY, 1e116] {
@@ -169,7 +156,7 @@ fn a_batch_names_a_point_that_is_not_finite() {
 fn points_at_any_distance_have_bounds_as_close_as_rounding() {
     for scale in [2e-100, 1.0, 2e99] {
         let soup = hard_mesh(1, &mut Rng::new(1)).map(|p| p.map(|x| x * scale));
-        let mesh = mesh_of(&soup);
+        let mesh = mesh(&soup);
         let query = PointQuery::new(&mesh);
         for far in [1.0, 1e3, 1e8, 1e15, 1e30, 1e115 / scale] {
             let p = Point3::new(0.3, -0.4, 0.6) * (far * scale);
@@ -192,7 +179,7 @@ fn a_tracked_path_has_the_bits_of_single_queries() {
     let mut rng = Rng::new(3);
     for kind in 0..MESH_KINDS {
         let soup = hard_mesh(kind, &mut rng);
-        let mesh = mesh_of(&soup);
+        let mesh = mesh(&soup);
         let query = PointQuery::new(&mesh).prepared();
         let (mut tracker, mut p) = (PointTracker::new(), Point3::new(0.1, 0.2, 0.3));
         for k in 0..400 {

@@ -217,10 +217,8 @@ fn an_origin_that_is_none_is_refused_with_the_first_body() {
         let refused = scene.insert(Body::moving(cube()), Isometry3::identity());
         assert_eq!(refused, Err(SceneError::Origin { axis }));
         assert_eq!((scene.body_count(), scene.step().counts.pairs), (0, 0));
-        let (aabb, body) = (
-            Aabb::from_center(Point3::origin(), Vector3::repeat(1.0)),
-            lin_canny::broad::BodyOptions::default(),
-        );
+        let aabb = Aabb::from_center(Point3::origin(), Vector3::repeat(1.0));
+        let body = lin_canny::broad::BodyOptions::default();
         let error = Err(BroadPhaseError::Origin { axis });
         assert_eq!(SweepAndPrune::with_settings(settings).insert(&aabb, body), error);
         assert_eq!(

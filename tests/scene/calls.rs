@@ -70,7 +70,7 @@ fn questions_on_top_equal_brute_force() {
             Body::moving(shape)
         };
         scene
-            .insert(made.group(group(k as u8 / 2 % 2)), truth::Pose { q, t }.isometry())
+            .insert(made.group(group(k as u8 / 2 % 2)), truth::Pose::new(q, t).isometry())
             .unwrap();
     }
     scene.step();

@@ -67,10 +67,8 @@ fn truth(scene: &Scene, d: f64, trackers: &mut BTreeMap<(BodyId, BodyId), Tracke
     for (k, &a) in ids.iter().enumerate() {
         for &b in &ids[k + 1..] {
             let pose = RelativePose::new(scene.pose(a).unwrap(), scene.pose(b).unwrap()).unwrap();
-            let (x, y) = (
-                scene.geometry(a).and_then(|s| s.as_polyhedron()).unwrap(),
-                scene.geometry(b).and_then(|s| s.as_polyhedron()).unwrap(),
-            );
+            let x = scene.geometry(a).and_then(|s| s.as_polyhedron()).unwrap();
+            let y = scene.geometry(b).and_then(|s| s.as_polyhedron()).unwrap();
             let tracker = trackers.entry((a, b)).or_default();
             let outcome = tracker.closest(x, y, &pose);
             distances.insert((a, b), (outcome.lower, outcome.upper));

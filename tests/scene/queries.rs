@@ -12,7 +12,7 @@ const BOXES: PairQueries = PairQueries::none().boxes(true);
 
 fn pose(rng: &mut Rng, room: f64) -> Isometry3<f64> {
     let (q, t) = (rng.quat(), [0; 3].map(|_| rng.range(-room, room)));
-    truth::Pose { q, t }.isometry()
+    truth::Pose::new(q, t).isometry()
 }
 
 /// Returns bodies of the groups 1 and 2 in a room of half size `room`; every fourth body is fixed

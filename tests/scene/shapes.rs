@@ -95,6 +95,20 @@ struct Mix {
     skipped: u64,
 }
 
+impl Mix {
+    /// Checks that enough pairs of each kind were judged.
+    #[track_caller]
+    fn is_enough(&self, queries: &PairQueries, skipped: u64) {
+        println!("{self:?}");
+        assert!(
+            self.overlapping > 300 && self.within > self.overlapping + 100,
+            "{self:?}"
+        );
+        assert!(!queries.features || self.apart > 100, "{self:?}");
+        assert!(queries.features || self.skipped > skipped, "{self:?}");
+    }
+}
+
 /// Bounds agree up to the poses of pieces, which brute force composes in `f64`.
 const AGREE: f64 = 1e-12;
 
@@ -130,10 +144,8 @@ fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, queries: &PairQu
                 found.lower <= upper + AGREE && lower <= found.upper + AGREE,
                 "{found:?} {lower} {upper}"
             );
-            let (on_a, on_b) = (
-                scene.pose(a.id).unwrap() * found.point_on_a,
-                scene.pose(b.id).unwrap() * found.point_on_b,
-            );
+            let on_a = scene.pose(a.id).unwrap() * found.point_on_a;
+            let on_b = scene.pose(b.id).unwrap() * found.point_on_b;
             let off = ((on_b - on_a).norm() - found.distance.abs()).abs();
             assert!(off < 1e-9, "{off} {found:?}");
             mix.apart += usize::from(!overlaps);
@@ -199,11 +211,8 @@ fn convex_shapes_of_every_kind_equal_brute_force() {
             (shape.clone().into(), vec![(shape, Isometry3::identity())])
         });
         let mix = play(queries, bodies.collect(), seed);
-        println!("{mix:?}");
-        assert!(mix.overlapping > 300 && mix.within > mix.overlapping + 100, "{mix:?}");
-        assert!(!queries.features || mix.apart > 100, "{mix:?}");
+        mix.is_enough(&queries, 100);
         assert!(!queries.depth || mix.depths > 300, "{mix:?}");
-        assert!(queries.features || mix.skipped > 100, "{mix:?}");
     }
 }
 
@@ -212,10 +221,7 @@ fn composites_and_meshes_equal_brute_force() {
     for (seed, queries) in [(4, predicates()), (5, measured())] {
         let mut rng = Rng::new(200 + seed);
         let mix = play(queries, (0..12).map(|k| solid(k, &mut rng)).collect(), seed);
-        println!("{mix:?}");
-        assert!(mix.overlapping > 300 && mix.within > mix.overlapping + 100, "{mix:?}");
-        assert!(!queries.features || mix.apart > 100, "{mix:?}");
-        assert!(queries.features || mix.skipped > 50, "{mix:?}");
+        mix.is_enough(&queries, 50);
     }
 }
 
@@ -336,10 +342,7 @@ fn shapes_of_every_kind_against_composites_and_meshes_equal_brute_force() {
         let curved = Compound::new(pieces.iter().map(placed).collect()).unwrap();
         bodies.push((curved.into(), pieces));
         let mix = play(queries, bodies, seed);
-        println!("{mix:?}");
-        assert!(mix.overlapping > 300 && mix.within > mix.overlapping + 100, "{mix:?}");
-        assert!(!queries.features || mix.apart > 100, "{mix:?}");
-        assert!(queries.features || mix.skipped > 50, "{mix:?}");
+        mix.is_enough(&queries, 50);
     }
 }
 

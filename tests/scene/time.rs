@@ -73,10 +73,8 @@ impl Gas {
 
     fn step(&mut self) {
         for &id in &self.ids {
-            let (at, mut v) = (
-                self.scene.pose(id).unwrap().translation.vector,
-                self.scene.velocity(id).unwrap(),
-            );
+            let at = self.scene.pose(id).unwrap().translation.vector;
+            let mut v = self.scene.velocity(id).unwrap();
             for k in 0..3 {
                 if at[k].abs() > self.half && at[k] * v.linear[k] > 0.0 {
                     v.linear[k] = -v.linear[k];

@@ -3,6 +3,7 @@
 mod support;
 
 use lin_canny_formats::MeshFile;
+use support::errors::says;
 use support::rows::rows;
 use support::{AREA, BOX, TRIANGLES, VOLUME, area, bounds, encodings, parse, read_mutants, volume};
 
@@ -470,8 +471,10 @@ fn counts_are_not_believed() {
     let file = MeshFile::parse_for_hull(points.as_bytes(), "a.ply").expect("points of a hull");
     assert_eq!(file.whole(), (BOX.to_vec(), vec![]));
     let points = points.replacen("0.6", "nan", 1);
-    let error = MeshFile::parse_for_hull(points.as_bytes(), "a.ply").expect_err("a point that is not finite");
-    assert!(error.to_string().contains("vertex 1 is not finite"), "{error}");
+    says(
+        MeshFile::parse_for_hull(points.as_bytes(), "a.ply"),
+        "vertex 1 is not finite",
+    );
 }
 
 #[test]

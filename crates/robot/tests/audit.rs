@@ -180,6 +180,17 @@ fn an_audit_that_is_stopped_leaves_the_hard_pairs() {
     }
 }
 
+/// A robot and its fixture, whose names start with `fixture/`.
+fn with_fixture(robot: &str, fixture: &str) -> Checker<JointTree> {
+    let mut setup = Cell::new();
+    for (prefix, text) in [("", robot), ("fixture/", fixture)] {
+        let robot = Robot::parse(text, "robot.urdf", &Packages::default(), &LoadOptions::default());
+        let robot = robot.expect("a robot");
+        setup.add_robot(prefix, &robot, Isometry3::identity()).expect("a robot");
+    }
+    Checker::of_robots(setup).expect("a checker")
+}
+
 /// A fixture is a second robot whose joints are its tolerances, and an error of a joint is a joint of
 /// the robot: clearances over all motions and all tolerances, against the closed form.
 #[test]
@@ -198,14 +209,7 @@ fn tolerances_are_joints_of_the_robot_and_of_the_fixture() {
         <joint name="place" type="prismatic"><parent link="cell"/><child link="wall"/><origin xyz="1.3 0 0"/><axis xyz="1 0 0"/>
             <limit lower="-0.03" upper="0.03" effort="1" velocity="1"/></joint>
     </robot>"#;
-    let mut setup = Cell::new();
-    for (prefix, text) in [("", rod), ("fixture/", fixture)] {
-        let robot = Robot::parse(text, "robot.urdf", &Packages::default(), &LoadOptions::default());
-        setup
-            .add_robot(prefix, &robot.expect("a robot"), Isometry3::identity())
-            .expect("a robot");
-    }
-    let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
+    let mut checker = with_fixture(rod, fixture);
     let options = RangeOptions::default().width(ClearanceWidth::Length(1e-6));
     let all = audit(&mut checker, &options, &[], &mut |_| ControlFlow::Continue(())).expect("an audit");
     let [one] = &all[..] else { panic!("{all:?}") };
@@ -237,14 +241,7 @@ fn a_fixture_on_a_planar_or_floating_joint_has_a_pose_with_a_range() {
         ("planar", vec![place, place, tilt]),
         ("floating", vec![place, place, place, tilt, tilt, tilt]),
     ] {
-        let mut setup = Cell::new();
-        for (prefix, text) in [("", rod), ("fixture/", &fixture(kind))] {
-            let robot = Robot::parse(text, "robot.urdf", &Packages::default(), &LoadOptions::default());
-            setup
-                .add_robot(prefix, &robot.expect("a robot"), Isometry3::identity())
-                .expect("a robot");
-        }
-        let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
+        let mut checker = with_fixture(rod, &fixture(kind));
         let low: Vec<f64> = [0.5].into_iter().chain(half.iter().map(|h| -h)).collect();
         let high: Vec<f64> = [1.0].into_iter().chain(half.iter().copied()).collect();
         let options = RangeOptions::default().width(ClearanceWidth::Length(0.01));

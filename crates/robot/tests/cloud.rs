@@ -95,10 +95,8 @@ fn limits(holder: &Holder) -> Vec<[f64; 2]> {
 
 /// Returns bounds of the distance of a body from the balls, over all points; of an overlap any.
 fn over_all_points(checker: &Checker<JointTree>, id: CellBody, q: &[f64], points: &[[f32; 3]]) -> [f64; 2] {
-    let (geometry, at) = (
-        checker.cell().geometry(id).expect("a body"),
-        checker.pose(id, q).expect("a pose"),
-    );
+    let geometry = checker.cell().geometry(id).expect("a body");
+    let at = checker.pose(id, q).expect("a pose");
     let (centre, reach) = geometry.bounding_ball();
     let centre = (at * centre).coords;
     let place = |p: &[f32; 3]| Vector3::from(p.map(f64::from));

@@ -9,6 +9,7 @@ use lin_canny_plan::{Cell, CellBody, Checker, ConfigurationSpace};
 use lin_canny_robot::{CellFile, FileError, FileErrorKind, LoadOptions, MotionKind, Packages, Robot};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use truth::errors::says;
 use truth::plans::Furnish;
 use truth::rows::{numbers, rows};
 
@@ -287,10 +288,7 @@ fn unknown_elements_are_errors_in_every_place() {
         ("world", "<modle/>", "did you mean \"model\"?"),
         ("sdf", "<modle/>", "did you mean \"model\"?"),
     ] {
-        let error = parse_in(&folder, &with(place, element).0)
-            .expect_err(element)
-            .to_string();
-        assert!(error.contains(words), "{error}");
+        says(parse_in(&folder, &with(place, element).0), words);
     }
 }
 
@@ -318,11 +316,8 @@ fn elements_given_twice_and_names_in_use_are_errors() {
         for name in ["world", "__model__", "__x__", "a::b", "", " "] {
             for element in names {
                 let (text, line) = with(place, &format!("<{}/>", element.replace("NAME", name)));
-                let error = parse_in(&folder, &text).expect_err(element);
-                assert!(
-                    error.to_string().contains("invalid name") && error.line == Some(line),
-                    "{error}"
-                );
+                let error = says(parse_in(&folder, &text), "invalid name");
+                assert_eq!(error.line, Some(line), "{error}");
             }
         }
     }
@@ -481,8 +476,8 @@ fn cycles_of_frames_and_joints_are_errors() {
                 (by_pose, "relative_to forms a cycle: "),
                 (by_attachment, "attached_to forms a cycle: "),
             ] {
-                let error = parse(&model("1.12", &format!("{base}{frames}"))).expect_err(words);
-                assert!(error.to_string().contains(words) && error.line == Some(1), "{error}");
+                let error = says(parse(&model("1.12", &format!("{base}{frames}"))), words);
+                assert_eq!(error.line, Some(1), "{error}");
                 assert!(count > 10 || error.to_string().contains("f0"), "{error}");
                 assert!(error.reason.to_string().len() <= 120, "{error}");
             }
@@ -722,8 +717,10 @@ fn a_plane_of_a_robot_is_a_half_space_unless_it_moves() {
     );
     let options = LoadOptions::default().plane_extent(-1.0);
     let text = world(&format!("<model name=\"m\">{ceiling}</model>"));
-    let error = Robot::parse(&text, "r.sdf", &Packages::default(), &options).expect_err("a negative extent");
-    assert!(error.to_string().contains("extent of planes"), "{error}");
+    says(
+        Robot::parse(&text, "r.sdf", &Packages::default(), &options),
+        "extent of planes",
+    );
 }
 
 /// A prism covers its polygon and nothing else: whichever way around, and with the first point again.
@@ -732,10 +729,8 @@ fn polylines_become_exact_prisms() {
     let corner = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
     let star: Vec<[f64; 2]> = (0..10)
         .map(|k| {
-            let (radius, angle) = (
-                if k % 2 == 0 { 2.0 } else { 0.5 },
-                f64::from(k) * 0.2 * std::f64::consts::PI,
-            );
+            let radius = if k % 2 == 0 { 2.0 } else { 0.5 };
+            let angle = f64::from(k) * 0.2 * std::f64::consts::PI;
             [radius * angle.cos(), radius * angle.sin()]
         })
         .collect();
@@ -772,8 +767,7 @@ fn polylines_become_exact_prisms() {
         }
     }
     let bow = "<polyline><point>0 0</point><point>1 1</point><point>1 0</point><point>0 1</point><height>1</height></polyline>";
-    let error = parse(&model("1.12", &of_shape(bow))).expect_err("a line that crosses itself");
-    assert!(error.to_string().contains("polyline"), "{error}");
+    says(parse(&model("1.12", &of_shape(bow))), "polyline");
 }
 
 /// Writes the folder of a model: its configuration, and a file for each version.
@@ -892,8 +886,7 @@ fn included_models_are_read_from_their_folders() {
     for [name, text, words] in cases("faults of included files") {
         std::fs::write(folder.join(&name), text).expect("a file");
         let error = load(&format!("<include><uri>{name}</uri></include>"));
-        let error = error.expect_err(&name).to_string();
-        assert!(error.contains(&words), "{error}");
+        says(error, &words);
     }
     std::fs::write(
         folder.join("light.sdf"),
@@ -908,8 +901,8 @@ fn included_models_are_read_from_their_folders() {
         1
     );
     for [include, words] in cases("faults of an include") {
-        let error = load(&format!("\n{include}")).expect_err(&include);
-        assert!(error.to_string().contains(&words) && error.line == Some(2), "{error}");
+        let error = says(load(&format!("\n{include}")), &words);
+        assert_eq!(error.line, Some(2), "{error}");
         assert!(error.reason.to_string().len() <= 120, "{error}");
     }
 }
@@ -932,23 +925,21 @@ fn files_that_include_themselves_and_deep_ones_are_errors() {
             let text = model("1.9", &(link("a", "") + "\n" + &include(&next)));
             std::fs::write(folder.join(format!("c{k}.sdf")), text).expect("a file");
         }
-        let error = Robot::load(folder.join("c0.sdf"), &Packages::default()).expect_err("a cycle");
-        assert!(
-            error.to_string().contains("file includes itself") && error.line == Some(2),
-            "{error}"
+        let error = says(
+            Robot::load(folder.join("c0.sdf"), &Packages::default()),
+            "file includes itself",
         );
-        let error = parse_in(&folder, &world(&include("c0.sdf"))).expect_err("a cycle");
-        assert!(error.to_string().contains("file includes itself"), "{error}");
+        assert_eq!(error.line, Some(2), "{error}");
+        says(parse_in(&folder, &world(&include("c0.sdf"))), "file includes itself");
     }
     for k in 0..100 {
         let text = model("1.9", &(link("a", "") + &include(&format!("d{}.sdf", k + 1))));
         std::fs::write(folder.join(format!("d{k}.sdf")), text).expect("a file");
     }
     std::fs::write(folder.join("d100.sdf"), model("1.9", &link("a", ""))).expect("a file");
-    let error = Robot::load(folder.join("d0.sdf"), &Packages::default()).expect_err("too deep");
-    assert!(
-        error.to_string().contains("nested too deep (expected at most 64)"),
-        "{error}"
+    says(
+        Robot::load(folder.join("d0.sdf"), &Packages::default()),
+        "nested too deep (expected at most 64)",
     );
     assert!(Robot::load(folder.join("d50.sdf"), &Packages::default()).is_ok());
     // Files that include two others each would be read 2^20 times.
@@ -958,8 +949,10 @@ fn files_that_include_themselves_and_deep_ones_are_errors() {
         std::fs::write(folder.join(format!("e{k}.sdf")), text).expect("a file");
     }
     std::fs::write(folder.join("e20.sdf"), model("1.9", &link("a", ""))).expect("a file");
-    let error = Robot::load(folder.join("e0.sdf"), &Packages::default()).expect_err("too many");
-    assert!(error.to_string().contains("too many included files"), "{error}");
+    says(
+        Robot::load(folder.join("e0.sdf"), &Packages::default()),
+        "too many included files",
+    );
     // Nested models of one file are limited by the depth of its elements.
     for (depth, is_good) in [(20, true), (50, true), (70, false), (3000, false)] {
         let inside = "<model name=\"n\">".repeat(depth) + &link("a", "") + &"</model>".repeat(depth);
@@ -986,9 +979,8 @@ fn names_masks_and_included_bytes_are_bounded() {
     let inside = format!("<model name='{long}'>{}</model>", link(&"k".repeat(50), ""));
     assert!(parse(&model("1.9", &inside)).is_ok());
     let inside = format!("<model name='{long}'>{}</model>", link(&"k".repeat(55), ""));
-    let error = parse(&model("1.9", &inside)).expect_err("a long name").to_string();
-    assert!(error.contains("with 257 bytes (expected at most 256)"), "{error}");
-    let error = error.replace(&long, "");
+    let error = says(parse(&model("1.9", &inside)), "with 257 bytes (expected at most 256)");
+    let error = error.to_string().replace(&long, "");
     assert!(error.len() < 300, "{error}");
     let masked = |count: usize| {
         let mask = "<surface><contact><collide_bitmask>0</collide_bitmask></contact></surface>";
@@ -998,8 +990,7 @@ fn names_masks_and_included_bytes_are_bounded() {
     };
     // A body with neither collides with no body, not even with one that has all bits.
     assert_eq!(masked(20).expect("a robot").excluded().len(), 20 * 19 / 2 + 20);
-    let error = masked(1_500).expect_err("too many pairs").to_string();
-    assert!(error.contains("(expected at most 1000000)"), "{error}");
+    says(masked(1_500), "(expected at most 1000000)");
     let folder = folder("large");
     let text = model("1.9", &(link("a", "") + &format!("<!--{}-->", "x".repeat(1 << 20))));
     std::fs::write(folder.join("f.sdf"), text).expect("a file");
@@ -1008,8 +999,7 @@ fn names_masks_and_included_bytes_are_bounded() {
         parse_in(&folder, &world(&(0..count).map(one).collect::<String>()))
     };
     assert!(includes(15).is_ok());
-    let error = includes(17).expect_err("too many bytes").to_string();
-    assert!(error.contains("too many included files: 16 with 167"), "{error}");
+    says(includes(17), "too many included files: 16 with 167");
 }
 
 #[test]
@@ -1188,10 +1178,7 @@ fn masks_exclude_the_pairs_that_share_no_bit() {
         .collect();
     assert_eq!(names, [["l2", "l0"], ["l0", "l1"]]);
     for mask in ["-1", "65536", "0x10000", "x", "1.5", "", "0x", "99999999999999999999"] {
-        let error = parse(&model("1.9", &links(&[collide(mask)])))
-            .expect_err(mask)
-            .to_string();
-        assert!(error.contains("collide_bitmask"), "{error}");
+        says(parse(&model("1.9", &links(&[collide(mask)]))), "collide_bitmask");
     }
 }
 
@@ -1232,18 +1219,14 @@ fn submeshes_are_the_named_objects() {
         }
     }
     for [mesh, words] in cases("faults of a submesh") {
-        let error = load(&mesh, &LoadOptions::default()).expect_err(&words).to_string();
-        assert!(error.contains(&words), "{error}");
+        says(load(&mesh, &LoadOptions::default()), &words);
     }
     let pieces = LoadOptions::default()
         .meshes(lin_canny_robot::MeshUse::Pieces)
         .pieces(&folder);
-    let error = load("<uri>two.obj</uri><submesh><name>left</name></submesh>", &pieces).expect_err("pieces");
-    assert!(
-        error
-            .to_string()
-            .contains("a submesh as convex pieces is not supported"),
-        "{error}"
+    says(
+        load("<uri>two.obj</uri><submesh><name>left</name></submesh>", &pieces),
+        "a submesh as convex pieces is not supported",
     );
 }
 

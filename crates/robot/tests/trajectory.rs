@@ -5,6 +5,7 @@ use lin_canny::nalgebra::Isometry3;
 use lin_canny_plan::{Cell, Checker, JointMotion};
 use lin_canny_robot::plan::{SmoothOptions, Smoother};
 use lin_canny_robot::{CellFile, FileError, LoadOptions, Packages, Robot, Trajectory};
+use truth::errors::says;
 use truth::plans::Ask;
 
 /// The rows of a section of the cases.
@@ -117,8 +118,7 @@ fn errors_of_the_header_have_its_line() {
         ] {
             for end in 0..4 {
                 let text = ended(&format!("{before}{header}"), end);
-                let error = parse(&text).expect_err(&text);
-                assert!(error.to_string().contains(words), "{error}");
+                let error = says(parse(&text), words);
                 assert_eq!(error.line, Some(1 + before.matches('|').count() as u32), "{text:?}");
             }
         }

@@ -1,7 +1,6 @@
 //! Promise: a world that is saved as a cell file and loaded again answers as before, bit for bit; a recording shows it as it
 //! is in each frame.
 
-use lin_canny_plan::JointMotion;
 use std::path::Path;
 
 use lin_canny_robot::lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
@@ -11,7 +10,7 @@ use lin_canny_robot::lin_canny::{
 use lin_canny_robot::plan::{Cell, CellBody, Checker, ConfigurationSpace, JointTree};
 use lin_canny_robot::record::{Cursor, Recording};
 use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, RobotRecorder};
-use truth::plans::{Furnish, cuboid};
+use truth::plans::{self, Furnish, cuboid};
 use truth::rng::Rng;
 
 /// The rows of a section of the cases.
@@ -150,18 +149,6 @@ fn change_world(cell: &mut Cell, rng: &mut Rng) {
     };
 }
 
-/// What a checker answers; `Debug` writes every digit, and the sign of zero.
-fn ask(checker: &mut Checker<JointTree>, question: usize, q: &[f64], p: &[f64]) -> String {
-    match question {
-        0 => format!("{:?}", checker.nearest(q, 0.2)),
-        1 => format!("{:?}", checker.is_free_at(q)),
-        2 => format!("{:?}", checker.certify(&JointMotion::segment(q, p))),
-        3 => format!("{:?}", checker.clearance(q)),
-        4 => format!("{:?}", checker.in_contact(q)),
-        _ => format!("{:?}", checker.nearest(q, f64::INFINITY)),
-    }
-}
-
 /// Returns a text with the ids of one world replaced by those of the same bodies of another.
 fn renamed(text: &str, from: &Cell, to: &Cell) -> String {
     let ids = |cell: &Cell| -> Vec<String> { cell.bodies().map(|b| format!("{:?}", b.0)).collect() };
@@ -196,8 +183,12 @@ fn judge(sequences: usize, changes: usize, seed: u64) {
             for question in 0..if step % 8 == 0 { 6 } else { 3 } {
                 checker.forget();
                 loaded.forget();
-                let expected = ask(&mut checker, question, &q, &p);
-                let told = renamed(&ask(&mut loaded, question, &q, &p), loaded.cell(), checker.cell());
+                let expected = plans::told(&mut checker, question, &q, &p);
+                let told = renamed(
+                    &plans::told(&mut loaded, question, &q, &p),
+                    loaded.cell(),
+                    checker.cell(),
+                );
                 assert_eq!(told, expected, "{k} {step} {question}");
                 free += usize::from(told == "Ok(true)");
             }

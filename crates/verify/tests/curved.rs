@@ -161,11 +161,9 @@ fn parts_keep_their_own_radii() {
             evidence.into(),
         ])
     };
-    let (up, aside, on) = (
-        hexes(&[0.0, 0.0, 1.0]),
-        hexes(&[-4.0, 0.0, 2.0]),
-        "[[[0,\"0x1p0\"]],[[0,\"0x1p0\"]]]",
-    );
+    let up = hexes(&[0.0, 0.0, 1.0]);
+    let aside = hexes(&[-4.0, 0.0, 2.0]);
+    let on = "[[[0,\"0x1p0\"]],[[0,\"0x1p0\"]]]";
     let distance = |lower: f64, upper: f64, cells: &str| {
         let [lower, upper] = [lower, upper].map(hex);
         format!("{{\"distance\":[0,1],\"lower\":{lower},\"upper\":{upper},\"cells\":[{cells}],\"on\":{on}}}")

@@ -227,10 +227,8 @@ mod tests {
         let mut r = Rng::new(31);
         for _ in 0..30 {
             let (a, b) = (shapes::sphere(&mut r, 7).solved(), shapes::sphere(&mut r, 6).solved());
-            let (pa, pb) = (
-                Pose::new(r.quat(), [0.0; 3]),
-                Pose::new(r.quat(), r.unit().map(|x| 1.5 * x)),
-            );
+            let pa = Pose::new(r.quat(), [0.0; 3]);
+            let pb = Pose::new(r.quat(), r.unit().map(|x| 1.5 * x));
             let e = solve((&a).into(), &pa, (&b).into(), &pb);
             for _ in 0..30 {
                 let n = r.unit();
@@ -270,10 +268,8 @@ mod tests {
         for _ in 0..50 {
             let body = shapes::small(&mut r);
             let p = r.unit();
-            let (low, true_one) = (
-                outside_by(p, (&body).into()),
-                distance_to_body(p, (&body).into(), &STILL),
-            );
+            let low = outside_by(p, (&body).into());
+            let true_one = distance_to_body(p, (&body).into(), &STILL);
             assert!(
                 low <= true_one || true_one == 0.0 && low <= 0.0,
                 "{}: {low} {true_one}",

@@ -19,6 +19,7 @@
 //! | [`mod@tally`] | counts that add themselves |
 //! | [`mutants`] | mutants of a file |
 //! | [`mod@rows`] | cases of a test as rows of a text |
+//! | [`errors`] | errors that must say what is wrong |
 //! | [`driven`] | calls drawn from bytes and seeds, judged by brute force; readers of files |
 //! | [`pairs`] | pairs in the form of this crate and of parry, and their motions |
 //! | [`nets`] | control points of curved surfaces |
@@ -46,6 +47,7 @@ pub mod covers;
 pub mod crowd;
 pub mod curved;
 pub mod driven;
+pub mod errors;
 pub mod exact_meshes;
 pub mod faults;
 pub mod forms;

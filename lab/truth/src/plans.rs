@@ -1,12 +1,12 @@
 //! The planner as its tests use it: cells of sound bodies with free names, motions and ranges within
 //! the limits. What a test takes to be sound, and is not, ends the test.
 
-use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Geometry};
 use lin_canny_plan::{
-    Cell, CellBody, Checker, ConfigurationSpace, JointCurve, JointMotion, JointTube, RangeAnswer, RangeOptions,
-    RangeProver, TimedPoses, Verdict,
+    Cell, CellBody, CellPair, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTube,
+    RangeAnswer, RangeOptions, RangeProver, RangeVerdict, TimedPoses, TreeJoint, Verdict,
 };
 
 /// Returns a box at the origin, by the halves of its sides.
@@ -31,6 +31,65 @@ pub fn bezier(points: &[impl AsRef<[f64]>]) -> JointCurve {
 /// Panics if the tube has other coordinates or is negative.
 pub fn tubed(curve: &JointCurve, tube: impl Into<JointTube>) -> JointMotion {
     JointMotion::curve(curve).with_tube(tube).expect("a motion")
+}
+
+/// Returns a joint that turns the next link about an axis by a coordinate.
+pub fn turn(parent: usize, origin: Isometry3<f64>, axis: Unit<Vector3<f64>>, coordinate: usize) -> TreeJoint {
+    TreeJoint {
+        parent,
+        kind: JointKind::Revolute,
+        origin,
+        axis,
+        drive: Some(Drive::by(coordinate)),
+    }
+}
+
+/// Returns a joint that moves the next link along an axis by a coordinate.
+pub fn slide(parent: usize, origin: Isometry3<f64>, axis: Unit<Vector3<f64>>, coordinate: usize) -> TreeJoint {
+    TreeJoint {
+        kind: JointKind::Prismatic,
+        ..turn(parent, origin, axis, coordinate)
+    }
+}
+
+/// Returns until when a blocked motion is free and when it is in contact, and the pair; `None` for
+/// any other verdict.
+pub fn blocked(verdict: &Verdict) -> Option<([f64; 2], CellPair)> {
+    match *verdict {
+        Verdict::Blocked {
+            free_until,
+            contact_at,
+            pair,
+            ..
+        } => Some(([free_until, contact_at], pair)),
+        _ => None,
+    }
+}
+
+/// Returns the place of a verdict of a range in a tally: never, always, both, open.
+pub fn place_of(verdict: &RangeVerdict) -> usize {
+    match verdict {
+        RangeVerdict::Never => 0,
+        RangeVerdict::Always => 1,
+        RangeVerdict::Both { .. } => 2,
+        _ => 3,
+    }
+}
+
+/// Returns what a checker answers to one of eight questions; `Debug` writes every digit, and the
+/// sign of zero.
+pub fn told<C: ConfigurationSpace>(checker: &mut Checker<C>, question: usize, q: &[f64], p: &[f64]) -> String {
+    let motion = JointMotion::segment(q, p);
+    match question {
+        0 => format!("{:?}", checker.nearest(q, 0.2)),
+        1 => format!("{:?}", checker.is_free_at(q)),
+        2 => format!("{:?}", checker.certify(&motion)),
+        3 => format!("{:?}", checker.clearance(q)),
+        4 => format!("{:?}", checker.in_contact(q)),
+        5 => format!("{:?}", checker.nearest(q, f64::INFINITY)),
+        6 => format!("{:?}", checker.clearance_along(&motion, 0.1)),
+        _ => format!("{:?}", checker.certify(&motion.with_radius(0.01).expect("a motion"))),
+    }
 }
 
 /// Puts bodies into a cell.

@@ -98,10 +98,8 @@ fn other_geometries() -> Vec<(Geometry, lc_geometry)> {
     // SAFETY: an array of the stated length.
     let polygon = written(|out| unsafe { lc_polygon_new(base.as_ptr().cast(), 4, out) });
     all.push((ConvexPolyhedron::polygon(&points(base)).unwrap().into(), polygon));
-    let (sizes, indices) = (
-        [4_u32, 3, 3, 3, 3],
-        [3_u32, 2, 1, 0, 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4],
-    );
+    let sizes = [4_u32, 3, 3, 3, 3];
+    let indices = [3_u32, 2, 1, 0, 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4];
     let of_c = (pyramid.as_ptr().cast(), sizes.as_ptr(), indices.as_ptr());
     // SAFETY: arrays of the stated lengths.
     let faces = written(|out| unsafe { lc_faces_new(of_c.0, 5, of_c.1, 5, of_c.2, indices.len(), out) });
@@ -125,11 +123,9 @@ fn other_geometries() -> Vec<(Geometry, lc_geometry)> {
     let cloud = written(|out| unsafe { lc_cloud_new(places.as_ptr().cast(), 30, 0.0, radii.as_ptr(), out) });
     let rust = Cloud::new(&points(&places), CloudElement::Balls(radii)).unwrap();
     all.push((rust.into(), cloud));
-    let (origin, size, cells) = (
-        [0.25, 0.5, -1.0],
-        [0.5, 0.25, 0.75],
-        [[0_u16, 0, 0], [3, 1, 2], [1, 2, 0]],
-    );
+    let origin = [0.25, 0.5, -1.0];
+    let size = [0.5, 0.25, 0.75];
+    let cells = [[0_u16, 0, 0], [3, 1, 2], [1, 2, 0]];
     // SAFETY: arrays of the stated lengths.
     let voxels = written(|out| unsafe { lc_voxels_new(origin.as_ptr(), size.as_ptr(), cells.as_ptr().cast(), 3, out) });
     let rust = Cloud::from_cells(origin.into(), size.into(), &cells).unwrap();

@@ -1,9 +1,11 @@
 //! Measures of meshes, encodings, and mutants of files.
 //!
-//! `mutants` and `rows` are files of the package `truth`, which is built on this one and on engines
+//! `errors`, `mutants` and `rows` are files of the package `truth`, which is built on this one and on engines
 //! that these tests do not need.
 #![allow(dead_code, unreachable_pub)] // each test uses a part
 
+#[path = "../../../../lab/truth/src/errors.rs"]
+pub mod errors;
 #[path = "../../../../lab/truth/src/mutants.rs"]
 pub mod mutants;
 #[path = "../../../../tests/support/rng.rs"]

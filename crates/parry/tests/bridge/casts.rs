@@ -211,10 +211,8 @@ fn compounds_are_cast_by_their_parts() {
     let scale: Real = 1e-3;
     let list = kinds(&mut rng, scale);
     let (hull, compound) = (&list[0], &list[9]);
-    let (ours, pos12) = (
-        CertifiedDispatcher::default(),
-        Pose::translation(0.0, 10.0 * scale, 0.0),
-    );
+    let ours = CertifiedDispatcher::default();
+    let pos12 = Pose::translation(0.0, 10.0 * scale, 0.0);
     let options = ShapeCastOptions::default();
     let pairs: [(&dyn Shape, &dyn Shape); 3] = [
         (&**hull, &**compound),
@@ -230,10 +228,8 @@ fn compounds_are_cast_by_their_parts() {
         let at = Pose::from_parts(pos12.translation + velocity * hit.time_of_impact, pos12.rotation);
         let d = ours.distance(&at, a, b).expect("supported").distance;
         assert!(d < CLOSE * scale, "{d}");
-        let (x, y) = (
-            NonlinearRigidMotion::identity(),
-            NonlinearRigidMotion::new(pos12, Vector::ZERO, velocity, Vector::ZERO),
-        );
+        let x = NonlinearRigidMotion::identity();
+        let y = NonlinearRigidMotion::new(pos12, Vector::ZERO, velocity, Vector::ZERO);
         let turned = ours
             .cast_shapes_nonlinear(&x, a, &y, b, 0.0, 20.0, true)
             .expect("supported");

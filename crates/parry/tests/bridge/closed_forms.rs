@@ -107,25 +107,23 @@ fn reached(rng: &mut Rng, size: Real) -> Vec<Reached> {
     ]
 }
 
-/// A pair, its pose, the signed distance in `f64`, and what is near enough to it.
-struct Case<'a> {
+/// A pair, the signed distance in `f64`, and what is near enough to it.
+struct Case {
     what: (&'static str, Real),
-    pos12: Pose,
-    shapes: [&'a dyn Shape; 2],
     truth: f64,
     close: f64,
 }
 
-impl Case<'_> {
-    /// Checks all queries but casts, in both orders.
-    fn check(&self) {
-        let [a, b] = self.shapes;
-        self.check_order(&self.pos12, a, b);
-        self.check_order(&self.pos12.inverse(), b, a);
-    }
+/// Checks all queries but casts, in both orders.
+fn check(what: (&'static str, Real), pos12: Pose, [a, b]: [&dyn Shape; 2], truth: f64, close: f64) {
+    let case = Case { what, truth, close };
+    case.check_order(&pos12, a, b);
+    case.check_order(&pos12.inverse(), b, a);
+}
 
+impl Case {
     fn check_order(&self, pos12: &Pose, a: &dyn Shape, b: &dyn Shape) {
-        let Self { what, truth, close, .. } = *self;
+        let Self { what, truth, close } = *self;
         let (ours, size) = (CertifiedDispatcher::default(), what.1);
         let gap = f64::from(ours.distance(pos12, a, b).expect("supported").distance);
         assert!((gap - truth.max(0.0)).abs() < close, "{what:?}: {gap:e} for {truth:e}");
@@ -147,7 +145,7 @@ impl Case<'_> {
     }
 
     fn check_manifold(&self, pos12: &Pose, a: &dyn Shape, b: &dyn Shape) {
-        let Self { what, truth, close, .. } = *self;
+        let Self { what, truth, close } = *self;
         let (mut kept, prediction) = (Manifolds::new(), 0.05 * what.1);
         CertifiedDispatcher::default()
             .contact_manifolds(pos12, a, b, prediction, &mut kept, &mut None)
@@ -195,14 +193,7 @@ fn half_spaces_are_right_at_any_size() {
                 let truth = at.translation.vector.dot(&n) - low;
                 let (what, close) = ((name, size), 4e-6 * f64::from(size));
                 let shapes: [&dyn Shape; 2] = [&space, &*shape];
-                Case {
-                    what,
-                    pos12,
-                    shapes,
-                    truth,
-                    close,
-                }
-                .check();
+                check(what, pos12, shapes, truth, close);
                 deep += usize::from(truth < 0.0);
                 near += usize::from(truth > 0.0 && truth < 0.05 * f64::from(size));
             }
@@ -231,14 +222,7 @@ fn balls_and_cuboids_are_right_at_any_size() {
             let (cuboid, ball, other) = (Cuboid::new(half), Ball::new(r), Ball::new(s));
             for (name, first, truth) in [("cuboid", &cuboid as &dyn Shape, of_cuboid), ("ball", &other, of_ball)] {
                 let (what, shapes) = ((name, size), [first, &ball as &dyn Shape]);
-                Case {
-                    what,
-                    pos12,
-                    shapes,
-                    truth,
-                    close,
-                }
-                .check();
+                check(what, pos12, shapes, truth, close);
                 deep += usize::from(truth < 0.0);
             }
         }

@@ -1,19 +1,14 @@
 //! V-HACD behind its validator: intervals hold for the mesh, at any size and place.
 
-use lin_canny_parry::lin_canny::nalgebra::Point3;
 use lin_canny_parry::lin_canny::{ContactState, Decomposition, Mesh, PairTracker, RelativePose};
 use truth::Pose;
+use truth::forms::mesh;
 use truth::pose::scale;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 
 use super::engine::parry::transformation::vhacd::VHACDParameters;
 use super::engine::{DecompositionError, decompose};
-
-fn mesh(soup: &Soup) -> Mesh {
-    let points: Vec<Point3<f64>> = soup.points.iter().map(|p| Point3::from(*p)).collect();
-    Mesh::new(&points, &soup.triangles).expect("made meshes are sound")
-}
 
 fn coarse() -> VHACDParameters {
     VHACDParameters {

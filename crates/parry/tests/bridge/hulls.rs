@@ -51,12 +51,9 @@ fn mass_properties_are_right_at_any_size() {
         for hull in hulls(size) {
             let mass = hull.mass_properties(800.0);
             let [i, j, k, w] = mass.principal_inertia_local_frame.to_array().map(f64::from);
-            let turn = truth::Pose {
-                q: truth::pose::unit_quat([i, j, k, w]),
-                t: [0.0; 3],
-            }
-            .isometry()
-            .rotation;
+            let turn = truth::Pose::new(truth::pose::unit_quat([i, j, k, w]), [0.0; 3])
+                .isometry()
+                .rotation;
             let turn = turn.to_rotation_matrix().into_inner();
             let principal = wide(mass.inv_principal_inertia).map(|x| 1.0 / x);
             let tensor = turn * Matrix3::from_diagonal(&principal) * turn.transpose();
@@ -259,10 +256,8 @@ fn rounded_hulls_are_their_cores_and_a_border() {
         let ball = round.compute_local_bounding_sphere().radius - hull.compute_local_bounding_sphere().radius;
         assert!((f64::from(ball - border)).abs() < close);
         // The mass is that of the rounded body.
-        let (mass, truth) = (
-            round.mass_properties(1.0),
-            lin_canny_parry::lin_canny::Shape::from(hull.body().clone()),
-        );
+        let mass = round.mass_properties(1.0);
+        let truth = lin_canny_parry::lin_canny::Shape::from(hull.body().clone());
         let truth = truth
             .rounded(f64::from(border))
             .expect("a radius")

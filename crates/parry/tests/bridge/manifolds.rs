@@ -129,10 +129,8 @@ fn flat(rng: &mut Rng, size: Real) -> [Judged; 3] {
 /// A cylinder and a cone, and rounded ones.
 fn upright(half: Real, radius: Real, border: Real) -> [Judged; 4] {
     let (h, r) = (f64::from(half), f64::from(radius));
-    let (cylinder, cone) = (
-        Shape::cylinder(h, r).expect("a body"),
-        Shape::cone(h, r).expect("a body"),
-    );
+    let cylinder = Shape::cylinder(h, r).expect("a body");
+    let cone = Shape::cone(h, r).expect("a body");
     let shape = |name| match name {
         "cylinder" => SharedShape::cylinder(half, radius),
         "cone" => SharedShape::cone(half, radius),

@@ -38,6 +38,16 @@ fn manifolds(pos12: &Pose, a: &dyn Shape, b: &dyn Shape, prediction: Real) -> Ma
     found
 }
 
+/// Returns a pose of a shape over or in the floor, and the gap between them.
+fn above_the_floor(shape: &dyn Shape, size: Real, rng: &mut Rng) -> (Pose, Real) {
+    let turned = random_pose(rng, 0.0);
+    let low = shape.compute_aabb(&turned).mins.y;
+    let gap = size * rng.range(-0.05, 0.05) as Real;
+    let [x, z] = [0; 2].map(|_| size * rng.range(-8.0, 8.0) as Real);
+    let pose = Pose::from_parts(Vector::new(x, gap - low, z), turned.rotation);
+    (pose, gap)
+}
+
 #[test]
 fn bodies_of_every_size_rest_on_a_floor_of_triangles() {
     let mut rng = Rng::new(41);
@@ -45,11 +55,7 @@ fn bodies_of_every_size_rest_on_a_floor_of_triangles() {
         let floor = floor(20.0 * size, 8);
         for (k, shape) in kinds(&mut rng, size)[..CONVEX].iter().enumerate() {
             for _ in 0..40 {
-                let turned = random_pose(&mut rng, 0.0);
-                let low = shape.compute_aabb(&turned).mins.y;
-                let gap = size * rng.range(-0.05, 0.05) as Real;
-                let [x, z] = [0; 2].map(|_| size * rng.range(-8.0, 8.0) as Real);
-                let pose = Pose::from_parts(Vector::new(x, gap - low, z), turned.rotation);
+                let (pose, gap) = above_the_floor(&**shape, size, &mut rng);
                 let found = manifolds(&pose, &floor, &**shape, 0.1 * size);
                 let points = found.iter().flat_map(|m| &m.points);
                 let deepest = points.map(|p| p.dist).fold(Real::INFINITY, Real::min);
@@ -81,11 +87,7 @@ fn bodies_of_every_size_rest_on_meshes_of_parry() {
         let floors: [&dyn Shape; 3] = [&field, &plain, &fixed];
         for (k, shape) in kinds(&mut rng, size)[..CONVEX].iter().enumerate() {
             for case in 0..60 {
-                let turned = random_pose(&mut rng, 0.0);
-                let low = shape.compute_aabb(&turned).mins.y;
-                let gap = size * rng.range(-0.05, 0.05) as Real;
-                let [x, z] = [0; 2].map(|_| size * rng.range(-8.0, 8.0) as Real);
-                let pose = Pose::from_parts(Vector::new(x, gap - low, z), turned.rotation);
+                let (pose, gap) = above_the_floor(&**shape, size, &mut rng);
                 let floor = floors[case % 3];
                 let found = manifolds(&pose, floor, &**shape, 0.1 * size);
                 let points = found.iter().flat_map(|m| &m.points);

@@ -3,10 +3,8 @@
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{
-    Cell, Checker, ConfigurationSpace, Drive, JointKind, JointMotion, JointTree, RigidSpace, TreeJoint,
-};
-use truth::plans::{Ask, Furnish, bezier};
+use lin_canny_plan::{Cell, Checker, ConfigurationSpace, JointMotion, JointTree, RigidSpace, TreeJoint};
+use truth::plans::{Ask, Furnish, bezier, turn};
 
 /// The ends of the arc, in radians.
 const ENDS: [f64; 2] = [0.3, -0.3];
@@ -26,16 +24,9 @@ fn post(far: f64, unit: f64) -> (ConvexPolyhedron, Isometry3<f64>) {
 
 /// A rod on a joint about z; the post is an obstacle, or a body of the base.
 fn lever(far: f64, is_own: bool, unit: f64) -> Checker<JointTree> {
-    let joint = TreeJoint {
-        parent: 0,
-        kind: JointKind::Revolute,
-        origin: Isometry3::identity(),
-        axis: Vector3::z_axis(),
-        drive: Some(Drive::by(0)),
-    };
     let (post, at) = post(far, unit);
     let joints = vec![
-        joint,
+        turn(0, Isometry3::identity(), Vector3::z_axis(), 0),
         TreeJoint::fixed(1, Isometry3::translation(0.5 * unit, 0.0, 0.0)),
         TreeJoint::fixed(0, at),
     ];

@@ -7,7 +7,7 @@ use lin_canny::{Compound, Mesh, Piece, Shape, Tracker};
 use lin_canny_plan::{
     Cell, CellBody, Checker, ConfigurationSpace, JointMotion, PlanError, RigidSpace, TranslationSpace, Verdict,
 };
-use truth::plans::{Ask, Furnish, cuboid};
+use truth::plans::{Ask, Furnish, blocked, cuboid};
 use truth::rng::Rng;
 use truth::rooms::Room;
 
@@ -340,14 +340,7 @@ fn obstacles_of_every_kind() {
         let mut checker = Checker::new(space, cell).expect("a world");
         let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, -0.1));
         let verdict = checker.verdict_of(&JointMotion::segment(&at(-3.0, 0.0), &at(3.0, 0.0)));
-        let Verdict::Blocked {
-            free_until: safe,
-            contact_at: t,
-            ..
-        } = verdict
-        else {
-            panic!("{name}: {verdict:?}")
-        };
+        let ([safe, t], _) = blocked(&verdict).expect(name);
         assert!(
             (1.9 / 6.0..2.1 / 6.0).contains(&safe) && t - safe < 1e-3,
             "{name}: {verdict:?}"

@@ -1,9 +1,8 @@
 //! Segments over which many joints turn far: what is called free is free, and the work stays small.
 
-use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny_plan::{
-    Cell, Checker, ConfigurationSpace, Joint, JointMotion, JointTree, PlanError, TreeSegment, Verdict,
-};
+use crate::wrapped::Wrapped;
+use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny_plan::{Cell, Checker, ConfigurationSpace, Joint, JointMotion, JointTree, Verdict};
 use truth::arm::chain::chain;
 use truth::plans::{Ask, Furnish, cuboid};
 use truth::rng::Rng;
@@ -80,58 +79,11 @@ fn joints_that_turn_far_take_few_queries() {
     }
 }
 
-/// An arm whose motions are stated about the origins of links: it ignores the middles of bodies.
-struct AboutOrigins(JointTree);
-
-impl ConfigurationSpace for AboutOrigins {
-    type Segment = TreeSegment;
-
-    fn coordinates(&self) -> usize {
-        self.0.coordinates()
-    }
-    fn degrees_of_freedom(&self) -> usize {
-        self.0.degrees_of_freedom()
-    }
-    fn bodies(&self) -> usize {
-        self.0.bodies()
-    }
-    fn bounds(&self) -> &[[f64; 2]] {
-        self.0.bounds()
-    }
-    fn scales(&self) -> &[f64] {
-        self.0.scales()
-    }
-    fn check(&self, q: &[f64]) -> Result<(), PlanError> {
-        self.0.check(q)
-    }
-    fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
-        self.0.place(q, poses);
-    }
-    fn segment(&self, from: &[f64], to: &[f64]) -> Result<TreeSegment, PlanError> {
-        self.0.segment(from, to)
-    }
-    fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
-        self.0.difference(from, to)
-    }
-    fn moved(&self, q: &[f64], step: &[f64]) -> Vec<f64> {
-        self.0.moved(q, step)
-    }
-    fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64> {
-        self.0.sample(uniform)
-    }
-    fn gradient(&self, q: &[f64], body: usize, point: &Point3<f64>, direction: &Vector3<f64>, gradient: &mut [f64]) {
-        self.0.gradient(q, body, point, direction, gradient);
-    }
-    fn is_rigid(&self, a: usize, b: usize) -> bool {
-        self.0.is_rigid(a, b)
-    }
-}
-
-/// Motions about the origins of links and about the middles of bodies must find the same, each within
-/// its own bracket.
+/// Motions about the origins of links and about the middles of bodies, which a wrapped space does not
+/// know, must find the same, each within its own bracket.
 fn same_verdicts(joints: usize, most: f64, count: usize) -> [u64; 2] {
     let (arm, cell) = arm_among_posts(joints);
-    let mut about_origins = Checker::new(AboutOrigins(arm), cell).expect("a world");
+    let mut about_origins = Checker::new(Wrapped::new(arm), cell).expect("a world");
     let (mut about_middles, mut judge) = (checker(joints), checker(joints));
     let mut rng = Rng::new(6);
     for _ in 0..count {

@@ -5,9 +5,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::{Mesh, PairTracker, RelativePose};
 use lin_canny_plan::{
     Cell, CellBody, CellPair, Checker, ConfigurationSpace, JointMotion, RigidSpace, TimedPoses, TranslationSpace,
-    Verdict,
 };
-use truth::plans::{Ask, Furnish, bezier, cuboid};
+use truth::plans::{self, Ask, Furnish, bezier, cuboid};
 use truth::rng::Rng;
 
 /// An L of arms 2 long and 0.5 wide and thick, as a closed mesh about its inner corner.
@@ -115,13 +114,7 @@ fn segments_have_the_verdicts_of_the_meshes() {
                 checker.is_free(&JointMotion::segment(&from, &to)).expect("a segment"),
                 proof.is_some()
             );
-            let Verdict::Blocked {
-                free_until: safe,
-                contact_at: t,
-                pair,
-                ..
-            } = verdict
-            else {
+            let Some(([safe, t], pair)) = plans::blocked(&verdict) else {
                 free += 1;
                 continue;
             };

@@ -88,6 +88,17 @@ pub(crate) fn first_contact(
     })
 }
 
+/// The certificates of a pair follow one another from 0 to 1.
+pub(crate) fn follow(proof: &PairProof) {
+    let mut reached = 0.0;
+    for certificate in &proof.certificates {
+        assert_eq!(certificate.from, reached, "{proof:?}");
+        assert!(certificate.until > certificate.from);
+        reached = certificate.until;
+    }
+    assert_eq!(reached, 1.0, "{proof:?}");
+}
+
 /// Replays the certificates of a segment of one rigid hull: they follow one another from 0 to 1, and at sampled times every
 /// vertex lies on its side of the plane, or the balls are apart.
 pub(crate) fn replay(
@@ -103,18 +114,14 @@ pub(crate) fn replay(
             panic!("{proof:?}")
         };
         let resting = Steady::new(&obstacles[k].1, Velocity::default()).expect("a pose");
-        let mut reached = 0.0;
+        follow(proof);
         for certificate in &proof.certificates {
-            assert_eq!(certificate.from, reached, "{proof:?}");
-            assert!(certificate.until > certificate.from);
-            reached = certificate.until;
             for i in 0..=8 {
                 let time = certificate.from + (certificate.until - certificate.from) * f64::from(i) / 8.0;
                 let bodies = [(robot, motion.pose(time)), (&obstacles[k].0, resting.pose(time))];
                 holds(certificate, bodies, time);
             }
         }
-        assert_eq!(reached, 1.0);
     }
 }
 

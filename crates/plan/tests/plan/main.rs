@@ -26,6 +26,7 @@ mod required;
 mod robots;
 mod smooth;
 mod spaces;
+mod wrapped;
 
 use lin_canny_plan::{CertifyOptions, Checker, ConfigurationSpace, JointMotion, PairProof, PlanError};
 

@@ -1,8 +1,9 @@
 //! Paths of each method: judged by dense predicates; a blocked world has none.
 
 use crate::judge::{Placed, first_contact, pose_of};
+use crate::wrapped::Wrapped;
 use cpu_time::ThreadTime;
-use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Piece, Progress};
 use lin_canny_plan::{
     Cell, Checker, ConfigurationSpace, FreewayEnd, JointMotion, Opportunistic, PlanError, PlanMethod, PlanOptions,
@@ -251,61 +252,15 @@ fn half_turns<C: ConfigurationSpace + Clone>(space: &C) -> u32 {
     found
 }
 
-/// A plane in which half a turn goes counterclockwise from either end: not the same motion backwards, against the contract.
-#[derive(Clone)]
-struct OneWay(PlanarSpace);
-
-impl OneWay {
-    fn nudged(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
-        let mut to = to.to_vec();
-        let turn = self.0.difference(from, &to)[2];
-        // Half a turn and a little more is the other way round, as the shorter way goes.
-        if turn < 1e-7 - std::f64::consts::PI {
-            to[2] -= 1e-7;
-        }
-        to
+/// Half a turn in a plane goes counterclockwise from either end: not the same motion backwards, against the contract.
+fn one_way(space: &PlanarSpace, from: &[f64], to: &[f64]) -> Vec<f64> {
+    let mut to = to.to_vec();
+    let turn = space.difference(from, &to)[2];
+    // Half a turn and a little more is the other way round, as the shorter way goes.
+    if turn < 1e-7 - std::f64::consts::PI {
+        to[2] -= 1e-7;
     }
-}
-
-impl ConfigurationSpace for OneWay {
-    type Segment = <PlanarSpace as ConfigurationSpace>::Segment;
-
-    fn coordinates(&self) -> usize {
-        3
-    }
-    fn degrees_of_freedom(&self) -> usize {
-        3
-    }
-    fn bodies(&self) -> usize {
-        1
-    }
-    fn bounds(&self) -> &[[f64; 2]] {
-        self.0.bounds()
-    }
-    fn scales(&self) -> &[f64] {
-        self.0.scales()
-    }
-    fn check(&self, q: &[f64]) -> Result<(), PlanError> {
-        self.0.check(q)
-    }
-    fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
-        self.0.place(q, poses);
-    }
-    fn segment(&self, from: &[f64], to: &[f64]) -> Result<Self::Segment, PlanError> {
-        self.0.segment(from, &self.nudged(from, to))
-    }
-    fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
-        self.0.difference(from, to)
-    }
-    fn moved(&self, from: &[f64], step: &[f64]) -> Vec<f64> {
-        self.0.moved(from, step)
-    }
-    fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64> {
-        self.0.sample(uniform)
-    }
-    fn gradient(&self, q: &[f64], body: usize, p: &Point3<f64>, direction: &Vector3<f64>, gradient: &mut [f64]) {
-        self.0.gradient(q, body, p, direction, gradient);
-    }
+    to
 }
 
 #[test]
@@ -313,7 +268,7 @@ fn paths_with_half_turns_are_free_in_the_direction_of_travel() {
     let space = PlanarSpace::new([[-3.0, 3.0], [-2.0, 2.0]], 0.9, 1).expect("a space");
     let found = half_turns(&space);
     assert!(found > 25, "{found} paths");
-    let found = half_turns(&OneWay(space));
+    let found = half_turns(&Wrapped::with_ends(space, one_way));
     assert!(found > 20, "{found} paths");
 }
 

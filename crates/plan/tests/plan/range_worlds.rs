@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 use truth::rng::Rng;
 
 use crate::ranges::{A, B, OTHER, at, channel, cube, moved, pose, ranges, robot, slide};
-use truth::plans::{Ask, Furnish, cuboid};
+use truth::plans::{self, Ask, Furnish, cuboid, place_of};
 
 /// The distance of a pair at a configuration: bounds, and whether it is within what the pair must keep.
 fn measured<C: ConfigurationSpace>(checker: &Checker<C>, pair: CellPair, q: &[f64]) -> (f64, bool) {
@@ -132,13 +132,7 @@ fn random_worlds(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
         answers.push(checker.answer_over(&options, [excluded.a, excluded.b], &low, &high));
         for answer in &answers {
             judge(&checker, answer, samples, &mut rng);
-            let of = match answer.verdict {
-                RangeVerdict::Never => 0,
-                RangeVerdict::Always => 1,
-                RangeVerdict::Both { .. } => 2,
-                _ => 3,
-            };
-            tally[of] += 1;
+            tally[place_of(&answer.verdict)] += 1;
         }
     }
     println!("{tally:?} pairs never, always, both, open");
@@ -219,28 +213,10 @@ fn a_coordinate_of_no_width_on_a_link_that_turns_is_no_single_configuration() {
     let (mut never, mut always) = (0, 0);
     for k in 0..40 {
         let near = pose(&mut rng, 3.0);
-        let first = TreeJoint {
-            parent: 0,
-            kind: JointKind::Revolute,
-            origin: near,
-            axis: Vector3::z_axis(),
-            drive: Some(Drive::by(0)),
-        };
-        let second = TreeJoint {
-            parent: 1,
-            kind: JointKind::Prismatic,
-            origin: Isometry3::identity(),
-            axis: Vector3::x_axis(),
-            drive: Some(Drive::by(1)),
-        };
-        let limits = vec![[-3.0, 3.0], [0.0, 4.0]];
-        let tree = JointTree::new(
-            Isometry3::identity(),
-            vec![first, second],
-            limits,
-            vec![1, 2],
-            vec![3.0; 3],
-        );
+        let first = plans::turn(0, near, Vector3::z_axis(), 0);
+        let second = plans::slide(1, Isometry3::identity(), Vector3::x_axis(), 1);
+        let (joints, limits) = (vec![first, second], vec![[-3.0, 3.0], [0.0, 4.0]]);
+        let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![1, 2], vec![3.0; 3]);
         let mut cell = Cell::new();
         cell.robot_body("a", cube(0.5));
         cell.robot_body("b", cube(0.5));
@@ -368,17 +344,10 @@ fn an_answer_about_other_bodies_is_not_resumed() {
 /// its own: both at once, against the closed form.
 #[test]
 fn errors_of_joints_and_places_of_obstacles_are_coordinates_with_a_range() {
-    let joint = |kind, parent, x: f64, axis, coordinate| TreeJoint {
-        parent,
-        kind,
-        origin: Isometry3::translation(x, 0.0, 0.0),
-        axis,
-        drive: Some(Drive::by(coordinate)),
-    };
     let joints = vec![
-        joint(JointKind::Revolute, 0, 0.0, Vector3::z_axis(), 0),
-        joint(JointKind::Revolute, 1, 0.0, Vector3::z_axis(), 1),
-        joint(JointKind::Prismatic, 0, 1.3, Vector3::x_axis(), 2),
+        plans::turn(0, Isometry3::identity(), Vector3::z_axis(), 0),
+        plans::turn(1, Isometry3::identity(), Vector3::z_axis(), 1),
+        plans::slide(0, Isometry3::translation(1.3, 0.0, 0.0), Vector3::x_axis(), 2),
     ];
     let limits = vec![[0.5, 1.0], [-0.1, 0.1], [-0.1, 0.1]];
     let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![2, 3], vec![1.0; 4]).expect("a tree");
@@ -412,16 +381,9 @@ fn errors_of_joints_and_places_of_obstacles_are_coordinates_with_a_range() {
 /// A peg in a hole: the place of the part and its tilt are coordinates with a tolerance.
 #[test]
 fn tolerances_of_a_part_are_coordinates_with_a_range() {
-    let free = |kind, parent, coordinate, axis| TreeJoint {
-        parent,
-        kind,
-        origin: Isometry3::identity(),
-        axis,
-        drive: Some(Drive::by(coordinate)),
-    };
-    let lift = free(JointKind::Prismatic, 0, 0, Vector3::z_axis());
-    let off = free(JointKind::Prismatic, 1, 1, Vector3::x_axis());
-    let tilt = free(JointKind::Revolute, 2, 2, Vector3::y_axis());
+    let lift = plans::slide(0, Isometry3::identity(), Vector3::z_axis(), 0);
+    let off = plans::slide(1, Isometry3::identity(), Vector3::x_axis(), 1);
+    let tilt = plans::turn(2, Isometry3::identity(), Vector3::y_axis(), 2);
     let limits = vec![[-0.5, 0.5], [-0.05, 0.05], [-0.1, 0.1]];
     let joints = vec![lift, off, tilt];
     let tree = JointTree::new(Isometry3::identity(), joints, limits, vec![3], vec![2.0; 4]).expect("a tree");

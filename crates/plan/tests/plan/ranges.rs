@@ -11,7 +11,7 @@ use lin_canny_plan::{
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use truth::cells::ArmCell;
-use truth::plans::{Ask, Furnish, cuboid};
+use truth::plans::{self, Ask, Furnish, cuboid, place_of};
 use truth::rng::Rng;
 
 pub(crate) const A: CellBody = CellBody::Robot(0);
@@ -241,13 +241,7 @@ fn random_boxes(robots: Range<u64>, samples: u32, seed: u64) -> [u32; 4] {
                     "{answer:?}"
                 );
             }
-            let of = match answer.verdict {
-                RangeVerdict::Never => 0,
-                RangeVerdict::Always => 1,
-                RangeVerdict::Both { .. } => 2,
-                _ => 3,
-            };
-            tally[of] += 1;
+            tally[place_of(&answer.verdict)] += 1;
         }
         if (k + 1) % 50 == 0 {
             println!("robots to {k}: {tally:?} boxes never, always, both, open");
@@ -456,13 +450,7 @@ fn a_block_in_the_plane_keeps_off_a_post() {
 #[test]
 fn fingers_that_mimic_each_other_keep_their_distance() {
     // Both slide by the same coordinate, so the gap is constant; a bound of each alone would lose it.
-    let finger = |y: f64| TreeJoint {
-        parent: 0,
-        kind: JointKind::Prismatic,
-        origin: Isometry3::translation(0.0, y, 0.0),
-        axis: Vector3::x_axis(),
-        drive: Some(Drive::by(0)),
-    };
+    let finger = |y: f64| plans::slide(0, Isometry3::translation(0.0, y, 0.0), Vector3::x_axis(), 0);
     let joints = vec![finger(0.0), finger(2.1)];
     let tree = JointTree::new(
         Isometry3::identity(),
@@ -667,13 +655,7 @@ fn meshes_of_a_cell_hold_at_samples() {
         }
         assert!((blocked == 0 || !is_never) && (blocked > 0 || !always));
         for answer in &answers {
-            let of = match answer.verdict {
-                RangeVerdict::Never => 0,
-                RangeVerdict::Always => 1,
-                RangeVerdict::Both { .. } => 2,
-                _ => 3,
-            };
-            tally[of] += 1;
+            tally[place_of(&answer.verdict)] += 1;
         }
     }
     println!("{tally:?}");

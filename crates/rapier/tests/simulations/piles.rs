@@ -175,11 +175,7 @@ fn depth(world: &PhysicsWorld, bodies: &[(RigidBodyHandle, Hull)]) -> f64 {
         let p = world.bodies[h].position();
         let [i, j, k, w] = p.rotation.to_array().map(f64::from);
         let t = p.translation.to_array().map(f64::from);
-        truth::Pose {
-            q: truth::pose::unit_quat([i, j, k, w]),
-            t,
-        }
-        .isometry()
+        truth::Pose::new(truth::pose::unit_quat([i, j, k, w]), t).isometry()
     };
     let mut deepest = 0.0f64;
     for (k, (a, x)) in bodies.iter().enumerate() {

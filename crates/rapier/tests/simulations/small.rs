@@ -144,7 +144,7 @@ fn posed(body: &RigidBody, at: &Isometry3<f64>) -> Isometry3<f64> {
     let [i, j, k, w] = pose.rotation.to_array().map(f64::from);
     let t = pose.translation.to_array().map(f64::from);
     let q = truth::pose::unit_quat([i, j, k, w]);
-    truth::Pose { q, t }.isometry() * at
+    truth::Pose::new(q, t).isometry() * at
 }
 
 /// The greatest depth of two bodies in each other, or of one in the floor.

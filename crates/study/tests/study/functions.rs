@@ -195,10 +195,8 @@ fn segments_are_certified_as_by_a_new_checker() {
     for row in values(&asked(&study, 1500, &text).expect("rows")) {
         let bits = |text: &String| f64::from_bits(u64::from_str_radix(text, 16).expect("bits"));
         let from: Vec<f64> = row[..6].iter().map(bits).collect();
-        let (mut to, mut checker) = (
-            from.clone(),
-            Checker::of_robots(study.cell().clone()).expect("a checker"),
-        );
+        let mut to = from.clone();
+        let mut checker = Checker::of_robots(study.cell().clone()).expect("a checker");
         (to[0], to[2]) = (bits(&row[6]), bits(&row[7]));
         let verdict = checker
             .certify(&JointMotion::segment(&from, &to))
@@ -231,10 +229,8 @@ fn receipts_are_those_of_a_new_checker() {
     for row in values(&asked(&study, 60, &text).expect("rows")) {
         let bits = |text: &String| f64::from_bits(u64::from_str_radix(text, 16).expect("bits"));
         let from: Vec<f64> = row[..6].iter().map(bits).collect();
-        let (mut to, mut checker) = (
-            from.clone(),
-            Checker::of_robots(study.cell().clone()).expect("a checker"),
-        );
+        let mut to = from.clone();
+        let mut checker = Checker::of_robots(study.cell().clone()).expect("a checker");
         (to[0], to[2]) = (bits(&row[6]), bits(&row[7]));
         let (text, error) = match Receipt::motion(&mut checker, &JointMotion::segment(&from, &to)) {
             Ok(receipt) => (receipt.to_string(), String::new()),

@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny_plan::{Cell, Drive, JointKind, JointTree, TreeJoint};
+use lin_canny_plan::{Cell, JointTree};
 
 use super::Trouble;
+use crate::plans::turn;
 
 /// Returns an arm of links of 0.2 m that bend in turn about two axes, among twelve posts. All
 /// joints have these limits; links that a joint connects may touch.
@@ -15,13 +16,8 @@ pub fn chain(joints: usize, limits: [f64; 2]) -> Result<(JointTree, Cell), Troub
     let mut cell = Cell::new();
     let mut chain = Vec::new();
     for k in 0..joints {
-        chain.push(TreeJoint {
-            parent: k,
-            kind: JointKind::Revolute,
-            origin: Isometry3::translation(if k == 0 { 0.0 } else { 0.22 }, 0.0, 0.0),
-            axis: [Vector3::z_axis(), Vector3::y_axis()][k % 2],
-            drive: Some(Drive::by(k)),
-        });
+        let origin = Isometry3::translation(if k == 0 { 0.0 } else { 0.22 }, 0.0, 0.0);
+        chain.push(turn(k, origin, [Vector3::z_axis(), Vector3::y_axis()][k % 2], k));
         cell.robot_body(format!("link {k}"), link.clone());
     }
     posts(&mut cell, 1.1)?;

@@ -114,10 +114,8 @@ pub fn play(seed: u64) -> Result<Mix, String> {
             }
         }
         for d in [0.0, 0.5 * upper, 2.0 * upper + 0.01] {
-            let (within, cold) = (
-                warm.within(&cloud, &body, &pose, d),
-                PairTracker::new().within(&cloud, &body, &pose, d),
-            );
+            let within = warm.within(&cloud, &body, &pose, d);
+            let cold = PairTracker::new().within(&cloud, &body, &pose, d);
             let is_right = |answer: bool| {
                 if upper < d - noise {
                     answer

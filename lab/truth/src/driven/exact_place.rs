@@ -5,6 +5,7 @@ use crate::rng::Rng;
 use crate::soups::Soup;
 use crate::{Point, Pose};
 use dashu_int::IBig;
+use lin_canny::ContactState;
 
 /// A point or a direction over the rationals.
 pub type Exact3 = [RBig; 3];
@@ -18,6 +19,17 @@ pub enum Place {
     On,
     /// Inside.
     Inside,
+}
+
+impl Place {
+    /// Returns the contact state of the point and the body.
+    pub const fn state(self) -> ContactState {
+        match self {
+            Self::Outside => ContactState::Separated,
+            Self::On => ContactState::Touching,
+            Self::Inside => ContactState::Overlapping,
+        }
+    }
 }
 
 fn turned(m: &[Exact3; 3], v: &Exact3) -> Exact3 {

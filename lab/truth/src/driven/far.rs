@@ -338,10 +338,8 @@ fn judge_distance(
             distance + 0.1 * l,
         ] {
             let is_within = tracker.within(p, q, &pose, d);
-            let (certainly, maybe) = (
-                distance < d || !is_apart,
-                distance <= d + if is_composed { most } else { 0.0 },
-            );
+            let certainly = distance < d || !is_apart;
+            let maybe = distance <= d + if is_composed { most } else { 0.0 };
             if is_within && !maybe || !is_within && certainly {
                 return told("within");
             }

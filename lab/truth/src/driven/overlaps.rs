@@ -407,10 +407,8 @@ pub fn play_exactly(seed: u64) -> Result<Mix, String> {
     if pose != Pose::IDENTITY {
         pose.t = add(pose.t, [far, -far, far]);
     }
-    let (x, y) = (
-        Judged::new(&a, &mut rng, &mut mix)?,
-        Judged::new(&b, &mut rng, &mut mix)?,
-    );
+    let x = Judged::new(&a, &mut rng, &mut mix)?;
+    let y = Judged::new(&b, &mut rng, &mut mix)?;
     let what = format!(
         "seed {seed}, family {family}, {pose:?}, {:?} {:?}",
         x.body.kind(),

@@ -7,6 +7,7 @@
 //! The test `driven` and the instrument `soak` share this module.
 
 use crate::casts::rotation;
+use crate::plans::blocked;
 use crate::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, Vector3};
 use lin_canny::polyhedron::solids;
@@ -279,10 +280,8 @@ impl Play {
     fn excess(&self, judge: &Checker<JointTree>, pair: CellPair, q: &[f64]) -> Result<Excess, String> {
         let cell = self.checker.cell();
         let shape = |id| cell.geometry(id).ok_or_else(|| format!("{id:?} has no geometry"));
-        let (x, y) = (
-            judge.pose(pair.a, q).map_err(told)?,
-            judge.pose(pair.b, q).map_err(told)?,
-        );
+        let x = judge.pose(pair.a, q).map_err(told)?;
+        let y = judge.pose(pair.b, q).map_err(told)?;
         let pose = RelativePose::new(&x, &y).map_err(|e| e.to_string())?;
         let found = PairTracker::new().closest(shape(pair.a)?, shape(pair.b)?, &pose);
         let kept = cell.required_distance(pair).distance;
@@ -352,10 +351,7 @@ impl Play {
                 return Err(format!("{verdict:?} but {hit:?} at {time}, {q:?}"));
             }
         }
-        let Verdict::Blocked {
-            contact_at: t, pair, ..
-        } = *verdict
-        else {
+        let Some(([_, t], pair)) = blocked(verdict) else {
             return Ok(if verdict.is_free() { 0 } else { 2 });
         };
         let (q, clock) = at(self, t);

@@ -96,10 +96,8 @@ pub fn play(seed: u64) -> Result<Mix, String> {
     let options = QueryOptions::default().width(1e-6).splits(4000);
     let mut at = Vector3::from(rng.unit()) * rng.range(0.2, 3.0);
     let step = Vector3::from(rng.in_ball()) * 0.05;
-    let (mut turn, small) = (
-        rotation(&mut rng),
-        UnitQuaternion::new(Vector3::from(rng.in_ball()) * 0.05),
-    );
+    let mut turn = rotation(&mut rng);
+    let small = UnitQuaternion::new(Vector3::from(rng.in_ball()) * 0.05);
     let mut warm = PairTracker::new();
     for frame in 0..FRAMES {
         at += step;

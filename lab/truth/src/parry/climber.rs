@@ -105,16 +105,14 @@ impl GjkCached {
         let (world_a, world_b) = (pose(pose_a), pose(pose_b));
         let a_from_b = world_a.inv_mul(&world_b);
         let (at_a, at_b) = self.stand.unwrap_or_else(|| (a.start(), b.start()));
-        let (a, b) = (
-            Climbing {
-                body: a,
-                at: Cell::new(at_a),
-            },
-            Climbing {
-                body: b,
-                at: Cell::new(at_b),
-            },
-        );
+        let a = Climbing {
+            body: a,
+            at: Cell::new(at_a),
+        };
+        let b = Climbing {
+            body: b,
+            at: Cell::new(at_b),
+        };
         self.warm(&a_from_b, &a, &b);
         let found = gjk::closest_points(&a_from_b, &a, &b, f64::MAX, true, &mut self.simplex);
         self.stand = Some((a.at.get(), b.at.get()));

@@ -282,11 +282,9 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
     }
 
     fn insert(&mut self, bytes: &mut Bytes<'_>) {
-        let (k, fixed, g) = (
-            bytes.below(self.forms.len()),
-            bytes.chance(25),
-            group(self.drawn_group(bytes)),
-        );
+        let k = bytes.below(self.forms.len());
+        let fixed = bytes.chance(25);
+        let g = group(self.drawn_group(bytes));
         let pose = bytes.pose();
         let shape = self.forms[k].0.clone();
         let body = if fixed { Body::fixed(shape) } else { Body::moving(shape) };
