@@ -14,6 +14,7 @@ use truth::curved::{KINDS, Kind};
 use truth::forms::mesh;
 use truth::rational::{RBig, exact, over_root, placed, rotation};
 use truth::rng::Rng;
+use truth::support::Decide;
 use truth::{Point, Pose, soups};
 
 /// A convex member of a body: points, or a curved shape, with a rounding radius.
@@ -460,18 +461,8 @@ fn bezier_surfaces_have_an_interval() {
         // Few splits give a wide interval that contains the narrow one.
         let wide = tracker.closest_with(&space, &surface, &at, &QueryOptions::default().width(0.0).splits(3));
         assert!(wide.lower <= found.upper && found.lower <= wide.upper, "{k} {wide:?}");
-        assert!(
-            tracker
-                .decide_within(&space, &surface, &at, found.upper + 1e-9, &QueryOptions::default())
-                .is_yes()
-                || found.upper < -1e-9
-        );
-        assert!(
-            found.lower < 2e-9
-                || tracker
-                    .decide_within(&space, &surface, &at, found.lower - 1e-9, &QueryOptions::default())
-                    .is_no()
-        );
+        assert!(tracker.decide(&space, &surface, &at, found.upper + 1e-9).is_yes() || found.upper < -1e-9);
+        assert!(found.lower < 2e-9 || tracker.decide(&space, &surface, &at, found.lower - 1e-9).is_no());
     }
 }
 

@@ -193,13 +193,7 @@ fn bodies_without_faces_keep_their_depth_over_frames() {
                     } else {
                         at
                     };
-                    let frame = both(
-                        Pose::IDENTITY,
-                        Pose {
-                            t: at,
-                            ..Pose::IDENTITY
-                        },
-                    );
+                    let frame = both(Pose::IDENTITY, Pose::shift(at));
                     let o = pair.closest(body, small, &support::relative(&frame));
                     let p = back.closest(small, body, &support::relative(&frame.swapped()));
                     let cold = closest(body, small, &frame);

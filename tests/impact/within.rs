@@ -6,10 +6,11 @@ use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierSurface, revolution};
-use lin_canny::{Cloud, Compound, Geometry, HalfSpace, Mesh, PairTracker, Piece, QueryOptions, RelativePose, Shape};
+use lin_canny::{Cloud, Compound, Geometry, HalfSpace, Mesh, PairTracker, Piece, RelativePose, Shape};
 use lin_canny::{ConvexPolyhedron, Decision, Velocity};
 use truth::casts;
 use truth::rng::Rng;
+use truth::support::Decide;
 
 /// Largest size of surfaces.
 const SURFACE_MAX: f64 = 1e60;
@@ -80,7 +81,7 @@ fn thrown(rng: &mut Rng, size: f64) -> [Steady; 2] {
 
 fn decided(bodies: [&Geometry; 2], motions: &[Steady; 2], time: f64, d: f64) -> Decision {
     let pose = RelativePose::new(&motions[0].pose(time), &motions[1].pose(time)).expect("a pose");
-    PairTracker::new().decide_within(bodies[0], bodies[1], &pose, d, &QueryOptions::default())
+    PairTracker::new().decide(bodies[0], bodies[1], &pose, d)
 }
 
 /// What the casts were, by outcome.

@@ -181,13 +181,7 @@ fn negative_angles_keep_no_corner_off_the_faces() {
         (options.rebuild_motion, options.reselect_motion, options.max_face_sine) = (0.0, 10.0, sine);
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
         for k in 0..60 {
-            let frame = Frame::new(
-                Pose::IDENTITY,
-                Pose {
-                    t: [0.05 * f64::from(k), 0.02, 0.8],
-                    ..Pose::IDENTITY
-                },
-            );
+            let frame = Frame::new(Pose::IDENTITY, Pose::shift([0.05 * f64::from(k), 0.02, 0.8]));
             pair.manifold(&body, &body, &support::relative(&frame), &options, &mut m);
             for p in m.points() {
                 for point in [p.point_on_a, p.point_on_b] {

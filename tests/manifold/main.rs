@@ -87,13 +87,7 @@ fn edges_and_corners_make_contacts() {
     assert_eq!((m.points().len(), m.features().map(support::kinds)), (1, Some((1, 1))));
     judge(&cube, &cube, &crossed, &m, &options, "edges crosswise");
     // And along each other.
-    let along = Frame::new(
-        base,
-        Pose {
-            t: [0.0, 0.5, 2.0 * root + 0.01],
-            ..base
-        },
-    );
+    let along = Frame::new(base, base.moved_to([0.0, 0.5, 2.0 * root + 0.01]));
     let m = manifold(&cube, &cube, &along, &options);
     assert_eq!((m.points().len(), m.features().map(support::kinds)), (2, Some((1, 1))));
     judge(&cube, &cube, &along, &m, &options, "edges along each other");

@@ -11,11 +11,12 @@ use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
     Compound, ContactState, ConvexPolyhedron, Geometry, GeometryRef, Mesh, MeshKind, PairOutcome, PairTracker, Piece,
-    QueryOptions, Ray, RayCast, RayCaster, RelativePose, Shape,
+    Ray, RayCast, RayCaster, RelativePose, Shape,
 };
 use truth::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
+use truth::support::Decide;
 use truth::{Point, Pose, brute};
 
 /// Shapes and their poses.
@@ -107,22 +108,10 @@ impl Kept {
                 let apart = (found.point_on_a - at_point(&at, &found)).norm();
                 assert!((apart - distance).abs() < 1e-9, "{what} {found:?} {apart}");
             }
-            assert_eq!(
-                tracker.decide_within(a, b, &at, 0.0, &QueryOptions::default()).is_yes(),
-                !is_apart,
-                "{what} {found:?}"
-            );
+            assert_eq!(tracker.decide(a, b, &at, 0.0).is_yes(), !is_apart, "{what} {found:?}");
+            assert!(tracker.decide(a, b, &at, distance + 1e-9).is_yes(), "{what} {found:?}");
             assert!(
-                tracker
-                    .decide_within(a, b, &at, distance + 1e-9, &QueryOptions::default())
-                    .is_yes(),
-                "{what} {found:?}"
-            );
-            assert!(
-                meets
-                    || tracker
-                        .decide_within(a, b, &at, distance - 1e-9, &QueryOptions::default())
-                        .is_no(),
+                meets || tracker.decide(a, b, &at, distance - 1e-9).is_no(),
                 "{what} {found:?}"
             );
             assert!(
@@ -314,10 +303,7 @@ fn a_surface_is_as_far_from_a_bent_mesh_as_from_one_built_anew() {
             let now = rest.clone().map(|p| bent(BENDS[k], 0.06 * frame as f64, p));
             m.set_vertices(&vertices(&now)).unwrap();
             let pose = pose_at(frame, 60 + k as u64);
-            let at = relative(&Pose {
-                t: scale(pose.t, 1.6),
-                ..pose
-            });
+            let at = relative(&pose.moved_to(scale(pose.t, 1.6)));
             let fresh = PairTracker::new().closest(&anew(&now).unwrap(), &surface, &at);
             let found = [
                 there.closest(&m, &surface, &at),
@@ -334,12 +320,7 @@ fn a_surface_is_as_far_from_a_bent_mesh_as_from_one_built_anew() {
             apart += usize::from(fresh.state == ContactState::Separated);
             let d = fresh.upper.max(0.0) + 1e-9;
             assert!(
-                there
-                    .decide_within(&m, &surface, &at, d, &QueryOptions::default())
-                    .is_yes()
-                    && back
-                        .decide_within(&surface, &m, &at.swapped(), d, &QueryOptions::default())
-                        .is_yes()
+                there.decide(&m, &surface, &at, d).is_yes() && back.decide(&surface, &m, &at.swapped(), d).is_yes()
             );
         }
     }

@@ -83,7 +83,7 @@ impl Tally {
         let mut warm = PairTracker::new();
         for k in [1.0, 1e-2, 1e-9] {
             let t = add(pose.t, scale(rng.in_ball(), k));
-            warm.closest(a, b, &relative(&Pose { t, ..pose }));
+            warm.closest(a, b, &relative(&pose.moved_to(t)));
         }
         let warm = warm.closest(a, b, &there);
         for (o, how) in [(cold, "cold"), (swapped, "swapped"), (warm, "warm")] {

@@ -200,10 +200,7 @@ fn an_l_in_an_l_has_contacts_along_both_walls() {
     let mut tracker = PairTracker::new();
     for gap in [4e-3, -4e-3] {
         // The back of one in the corner of the other.
-        let pose = Pose {
-            t: [0.3 + gap, 0.3 + gap, 0.1],
-            ..Pose::IDENTITY
-        };
+        let pose = Pose::shift([0.3 + gap, 0.3 + gap, 0.1]);
         let found = tracker
             .contacts_between(&p, &p, &relative(&pose), &within(0.01))
             .to_vec();

@@ -2,14 +2,13 @@
 //! relies on.
 
 use core::f64::consts::TAU;
+use truth::support::Decide;
 use truth::support::piece_at;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
-use lin_canny::{
-    Compound, ConvexPolyhedron, Geometry, Mesh, MeshError, PairTracker, Piece, QueryOptions, RelativePose, Shape,
-};
+use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
 use truth::driven::{copies, played};
 use truth::rng::Rng;
 
@@ -84,21 +83,15 @@ fn pieces_without_triangles_stay_in_the_body() {
             assert_eq!(found.state, back.state, "{name} {x}");
             for tracker in [&mut warm, &mut PairTracker::new()] {
                 assert!(
-                    tracker
-                        .decide_within(&body, &mesh, &along_x(x), truth + 1e-9, &QueryOptions::default())
-                        .is_yes(),
+                    tracker.decide(&body, &mesh, &along_x(x), truth + 1e-9).is_yes(),
                     "{name} {x}"
                 );
                 assert!(
-                    tracker
-                        .decide_within(&body, &mesh, &along_x(x), truth - 1e-9, &QueryOptions::default())
-                        .is_no(),
+                    tracker.decide(&body, &mesh, &along_x(x), truth - 1e-9).is_no(),
                     "{name} {x}"
                 );
                 assert_eq!(
-                    tracker
-                        .decide_within(&mesh, &body, &along_x(x).swapped(), 0.0, &QueryOptions::default())
-                        .is_yes(),
+                    tracker.decide(&mesh, &body, &along_x(x).swapped(), 0.0).is_yes(),
                     truth == 0.0
                 );
             }
@@ -215,12 +208,8 @@ fn one_list_bends_two_numberings_to_two_bodies() {
             );
             let other = bodies[(k + 1) % 2];
             for d in [0.5, 0.99, 1.01, 2.0, 4.0] {
-                let now = tracker.decide_within(other, &probe, &pose, d, &QueryOptions::default());
-                assert_eq!(
-                    now,
-                    PairTracker::new().decide_within(other, &probe, &pose, d, &QueryOptions::default()),
-                    "{k} {d}"
-                );
+                let now = tracker.decide(other, &probe, &pose, d);
+                assert_eq!(now, PairTracker::new().decide(other, &probe, &pose, d), "{k} {d}");
             }
             let now = tracker.lower_bound(other, &probe, &pose);
             let fresh = PairTracker::new().closest(other, &probe, &pose);
@@ -285,7 +274,7 @@ fn every_kind_that_a_body_is_turned_into_is_the_body() {
                         assert!(is_right, "{form:?} {other:?}: {found:?} {truth:?}");
                     }
                     if lower > 1e-12 || truth.upper < -1e-12 {
-                        let meets = PairTracker::new().decide_within(form, other, &pose, 0.0, &QueryOptions::default());
+                        let meets = PairTracker::new().decide(form, other, &pose, 0.0);
                         assert_eq!(meets.is_yes(), lower == 0.0, "{form:?} {other:?}: {truth:?}");
                     }
                 }

@@ -43,12 +43,7 @@ fn of_meshes(a: &Mesh, b: &Mesh, at: &RelativePose) -> PenetrationBounds {
 
 /// Asserts, for some shifts, that no shift shorter than the lower bound separates the bodies.
 fn check(o: &PenetrationBounds, pose: &Pose, rng: &mut Rng, mut state: impl FnMut(&RelativePose) -> ContactState) {
-    let moved = |by: Vector3<f64>| {
-        relative(&Pose {
-            t: add(pose.t, by.into()),
-            ..*pose
-        })
-    };
+    let moved = |by: Vector3<f64>| relative(&pose.shifted(by.into()));
     assert_eq!(state(&moved(o.shift)), ContactState::Separated, "{o:?}");
     for by in [
         o.shift.normalize(),

@@ -57,14 +57,7 @@ fn closest(a: &Mesh, b: &Mesh, pose: &Pose) -> (TreeWork, ContactState) {
     let work = tracker.work();
     assert!(found.lower <= 0.0 && found.upper >= 0.0, "{found:?}");
     let mut classes = vec![tracker.closest(a, b, &at).state];
-    let _ = tracker.closest(
-        a,
-        b,
-        &relative(&Pose {
-            t: [0.3, 0.2, 0.1],
-            ..*pose
-        }),
-    );
+    let _ = tracker.closest(a, b, &relative(&pose.moved_to([0.3, 0.2, 0.1])));
     classes.push(tracker.closest(a, b, &at).state);
     classes.push(PairTracker::new().closest(b, a, &at.swapped()).state);
     assert_eq!(classes, [found.state; 3], "{found:?}");

@@ -21,11 +21,12 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
 use lin_canny::{
-    Compound, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairOutcome, PairTracker, QueryOptions,
-    RelativePose, Shape, Tracker,
+    Compound, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairOutcome, PairTracker, RelativePose,
+    Shape, Tracker,
 };
 use truth::Pose;
 use truth::rng::Rng;
+use truth::support::Decide;
 use truth::support::piece_at;
 
 fn cuboid(half: [f64; 3]) -> ConvexPolyhedron {
@@ -57,8 +58,8 @@ fn in_turn(bodies: &[Geometry], other: &Geometry, poses: &[RelativePose]) {
             .into_iter()
             .filter(|d| *d >= 0.0)
         {
-            let now = tracker.decide_within(next, other, pose, d, &QueryOptions::default());
-            let truth = PairTracker::new().decide_within(next, other, pose, d, &QueryOptions::default());
+            let now = tracker.decide(next, other, pose, d);
+            let truth = PairTracker::new().decide(next, other, pose, d);
             assert!(now == truth || !(now.is_yes() || now.is_no()), "{k}: {now:?} {truth:?}");
         }
     }

@@ -8,7 +8,7 @@ use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ContactState, GeometryRef, Mesh, PairTracker, PenetrationBounds, RelativePose, Shape};
-use truth::pose::{add, norm, scale};
+use truth::pose::{norm, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::support::piece_at;
@@ -90,10 +90,7 @@ fn shortest(soups: (&Soup, &Soup), pose: &Pose, most: f64, steps: i32) -> f64 {
         for y in -steps..=steps {
             for z in -steps..=steps {
                 let by = [axis(x), axis(y), axis(z)];
-                let moved = Pose {
-                    t: add(pose.t, by),
-                    ..*pose
-                };
+                let moved = pose.shifted(by);
                 if norm(by) < best && !meets(soups, &moved) {
                     best = norm(by);
                 }
@@ -134,10 +131,7 @@ fn bounds_of_a_mesh_and_pieces_hold_beside_a_grid_of_translations() {
         for o in [found, back] {
             assert!(0.0 <= o.lower && o.lower <= o.upper, "{k} {o:?}");
         }
-        let free = Pose {
-            t: add(pose.t, found.shift.into()),
-            ..pose
-        };
+        let free = pose.shifted(found.shift.into());
         assert!(!meets((base, &crossed), &free), "{k} {found:?}");
         let truth = shortest((base, &crossed), &pose, found.upper.min(back.upper), 6);
         assert!(found.lower.max(back.lower) <= truth, "{k} {found:?} {back:?} {truth}");

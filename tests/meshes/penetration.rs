@@ -14,10 +14,7 @@ use truth::soups;
 use truth::support::piece_at;
 
 fn shifted(pose: &Pose, by: Vector3<f64>) -> RelativePose {
-    relative(&Pose {
-        t: add(pose.t, by.into()),
-        ..*pose
-    })
+    relative(&pose.shifted(by.into()))
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::contacts::{exact, is_normal, patches};
 use super::{mesh, relative};
 use lin_canny::{ContactState, ConvexPatches, Mesh, PairTracker};
 use truth::Pose;
-use truth::pose::{add, scale, sub};
+use truth::pose::{scale, sub};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 
@@ -74,10 +74,7 @@ fn thin_bodies_a_little_way_in_have_a_contact() {
         }
         let deepest = found[0].contacts[0];
         let out = deepest.normal.into_inner() * (-1.001 * deepest.point.separation);
-        let moved = Pose {
-            t: add(pose.t, out.into()),
-            ..pose
-        };
+        let moved = pose.shifted(out.into());
         parted += usize::from(!PairTracker::new().intersects(a, b, &relative(&moved)));
     }
     // In most overlaps, moving B out along the deepest contact separates the bodies.

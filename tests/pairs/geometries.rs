@@ -15,6 +15,7 @@ use truth::forms;
 use truth::forms::{Form, TIE, forms, sphere};
 use truth::pose::scale;
 use truth::rng::Rng;
+use truth::support::Decide;
 
 type Body = (Geometry, Form);
 
@@ -38,19 +39,10 @@ fn judge((x, a): &Body, (y, b): &Body, pose: &RelativePose, kept: &mut [PairTrac
     let back = kept[1].closest(y, x, &pose.swapped());
     assert!(meet(&warm, &distance, 1e-12) && meet(&Distance::from(&back), &distance, 1e-8));
     let Distance { lower, upper, .. } = distance;
-    assert_eq!(
-        kept[0].decide_within(x, y, pose, upper.max(0.0) + TIE, &QueryOptions::default()),
-        Decision::Yes
-    );
+    assert_eq!(kept[0].decide(x, y, pose, upper.max(0.0) + TIE), Decision::Yes);
     if lower > TIE {
-        assert_eq!(
-            kept[0].decide_within(x, y, pose, lower - TIE, &QueryOptions::default()),
-            Decision::No
-        );
-        assert_eq!(
-            kept[1].decide_within(y, x, &pose.swapped(), 0.0, &QueryOptions::default()),
-            Decision::No
-        );
+        assert_eq!(kept[0].decide(x, y, pose, lower - TIE), Decision::No);
+        assert_eq!(kept[1].decide(y, x, &pose.swapped(), 0.0), Decision::No);
         let mut pair = kept[0].pair(x, y);
         let seen = pair.measure(pose);
         assert!(
@@ -164,32 +156,17 @@ fn a_mesh_beside_a_surface_is_a_solid() {
             let (lower, upper) = (truth.lower.max(0.0), truth.upper);
             assert!(o.lower <= upper + 1e-12 && lower <= o.upper + 1e-12, "{o:?} {truth:?}");
         }
-        let meets = PairTracker::new().decide_within(&mesh, surface, &pose, 0.0, &QueryOptions::default());
+        let meets = PairTracker::new().decide(&mesh, surface, &pose, 0.0);
         assert!(
             meets.as_bool().is_none_or(|meets| meets == (truth.lower <= 0.0)),
             "{meets:?} {truth:?}"
         );
         assert!(
-            kept.decide_within(
-                surface,
-                &mesh,
-                &pose.swapped(),
-                truth.upper.max(0.0) + 1e-9,
-                &QueryOptions::default()
-            )
-            .is_yes()
+            kept.decide(surface, &mesh, &pose.swapped(), truth.upper.max(0.0) + 1e-9)
+                .is_yes()
         );
         if truth.lower > 1e-6 {
-            assert!(
-                kept.decide_within(
-                    surface,
-                    &mesh,
-                    &pose.swapped(),
-                    truth.lower - 1e-9,
-                    &QueryOptions::default()
-                )
-                .is_no()
-            );
+            assert!(kept.decide(surface, &mesh, &pose.swapped(), truth.lower - 1e-9).is_no());
         }
         classes[found.state as usize] += 1;
         inside += u32::from(found.state == ContactState::Overlapping && k % 3 == 1);
@@ -220,14 +197,8 @@ fn meshes_that_no_surface_stands_for_have_bounds() {
         !answer.is_converged && answer.lower <= 1e70 && answer.upper >= 1e70,
         "{answer:?}"
     );
-    assert_eq!(
-        tracker.decide_within(&huge, &sphere(0.5), &at, 1e80, &QueryOptions::default()),
-        Decision::Yes
-    );
-    assert_eq!(
-        tracker.decide_within(&huge, &sphere(0.5), &at, f64::NAN, &QueryOptions::default()),
-        Decision::No
-    );
+    assert_eq!(tracker.decide(&huge, &sphere(0.5), &at, 1e80), Decision::Yes);
+    assert_eq!(tracker.decide(&huge, &sphere(0.5), &at, f64::NAN), Decision::No);
     assert!(tracker.pair(&huge, &sphere(0.5)).measure(&at).lower <= 1e70);
 }
 

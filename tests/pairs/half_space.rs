@@ -98,10 +98,7 @@ fn coins_stand_on_points_all_round() {
             let lowest = heights(&coin, &pose, [0.0, 0.0, 1.0], 0.25)
                 .into_iter()
                 .fold(f64::INFINITY, f64::min);
-            let pose = Pose {
-                t: sub(pose.t, [0.0, 0.0, lowest + 1e-4]),
-                ..pose
-            };
+            let pose = pose.moved_to(sub(pose.t, [0.0, 0.0, lowest + 1e-4]));
             let contacts = floor.contacts(&coin, &relative(&pose), &ManifoldOptions::default().prediction(0.01));
             let points = contacts.points();
             assert_eq!(points.len(), sides.min(4), "{sides}");

@@ -4,11 +4,11 @@
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::{ContactState, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, RelativePose, Solver, Tracker};
 use std::f64::consts::TAU;
+use truth::Point;
 use truth::motion::Frame;
 use truth::rng::Rng;
 use truth::support::relative;
 use truth::workload;
-use truth::{Point, Pose};
 
 /// Returns the vertices of a polygon on an ellipse: evenly spaced on a circle, or random.
 fn polygon(n: usize, rng: &mut Rng, even: bool) -> Vec<[f64; 2]> {
@@ -205,7 +205,7 @@ fn answers_on_large_features_agree_with_exact_ones() {
                 let by = n * (gap - first.distance);
                 let t = [0, 1, 2].map(|k| f.b.t[k] + by[k]);
                 let f = Frame {
-                    b: Pose { t, ..f.b },
+                    b: f.b.moved_to(t),
                     ..f
                 };
                 let o = Tracker::new().closest(&a, &b, &relative(&f));

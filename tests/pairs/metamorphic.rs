@@ -101,8 +101,8 @@ proptest! {
         // Multiples of 2^-20 and a shift by a round number add without rounding.
         let round = |t: Point| t.map(|x| (x * 1_048_576.0).round() / 1_048_576.0);
         let shift = [f64::from(far) * 65_536.0, 1024.0, -3.0 * f64::from(far)];
-        let here = Frame::new(Pose { t: round(frame.a.t), ..frame.a }, Pose { t: round(frame.b.t), ..frame.b });
-        let there = |p: &Pose| Pose { t: truth::pose::add(p.t, shift), ..*p };
+        let here = Frame::new(frame.a.moved_to(round(frame.a.t)), frame.b.moved_to(round(frame.b.t)));
+        let there = |p: &Pose| p.shifted(shift);
         let there = Frame::new(there(&here.a), there(&here.b));
         for (x, y) in ask(&a, &b, &relative(&here)).iter().zip(&ask(&a, &b, &relative(&there))) {
             prop_assert_eq!(x, y);

@@ -5,8 +5,9 @@ use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::separation::Separation;
 use lin_canny::surface::BezierSurface;
-use lin_canny::{Decision, PairTracker, QueryOptions, RelativePose, Shape, Velocity};
+use lin_canny::{Decision, PairTracker, RelativePose, Shape, Velocity};
 use truth::rng::Rng;
+use truth::support::Decide;
 
 use crate::bodies::{bumpy, sphere};
 use crate::shapes::{kinds, sampled};
@@ -118,8 +119,7 @@ fn patches_meet_shapes_never_late() {
             let a = moving(Vector3::zeros(), Vector3::zeros(), Vector3::from(rng.unit()));
             let b = moving(from, aside - from * 1.5, Vector3::from(rng.unit()) * 2.0);
             let mut tracker = PairTracker::new();
-            if tracker.decide_within(&surface, shape, &at(&a, &b, 0.0), 1e-3, &QueryOptions::default()) != Decision::No
-            {
+            if tracker.decide(&surface, shape, &at(&a, &b, 0.0), 1e-3) != Decision::No {
                 continue;
             }
             let mut pair = tracker.pair(&surface, shape);
@@ -127,10 +127,7 @@ fn patches_meet_shapes_never_late() {
             let until = match found.impact {
                 Impact::Hit { safe, hit, .. } => {
                     hits += 1;
-                    assert_eq!(
-                        tracker.decide_within(&surface, shape, &at(&a, &b, hit), 0.0, &QueryOptions::default()),
-                        Decision::Yes
-                    );
+                    assert_eq!(tracker.decide(&surface, shape, &at(&a, &b, hit), 0.0), Decision::Yes);
                     safe
                 }
                 Impact::Miss => {
@@ -168,10 +165,7 @@ fn patches_meet_patches_never_late() {
         let until = match found.impact {
             Impact::Hit { safe, hit, .. } => {
                 hits += 1;
-                assert_eq!(
-                    tracker.decide_within(&a, &b, &at(&x, &y, hit), 0.0, &QueryOptions::default()),
-                    Decision::Yes
-                );
+                assert_eq!(tracker.decide(&a, &b, &at(&x, &y, hit), 0.0), Decision::Yes);
                 safe
             }
             Impact::Miss => {
@@ -187,7 +181,7 @@ fn patches_meet_patches_never_late() {
         };
         for i in 0..=40 {
             let time = until * f64::from(i) / 40.0;
-            let decided = tracker.decide_within(&a, &b, &at(&x, &y, time), 0.0, &QueryOptions::default());
+            let decided = tracker.decide(&a, &b, &at(&x, &y, time), 0.0);
             assert!(decided != Decision::Yes, "{k}: they meet at {time}, safe {until}");
         }
     }

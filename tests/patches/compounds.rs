@@ -10,6 +10,7 @@ use lin_canny::{
 use truth::pose::{add, scale, sub};
 use truth::rational::{exact, placed, rounded};
 use truth::rng::Rng;
+use truth::support::Decide;
 use truth::support::piece_at;
 use truth::{Point, Pose};
 
@@ -69,7 +70,7 @@ fn the_closest_piece_is_found() {
                 "{between} {found:?}"
             );
             assert_eq!(is_overlap, upper == 0.0, "{found:?}");
-            let within = tracker.decide_within(&surface, &body, &pose(&at), 0.5 * o.distance, &QueryOptions::default());
+            let within = tracker.decide(&surface, &body, &pose(&at), 0.5 * o.distance);
             assert!(is_overlap || within == Decision::No, "{within:?} {found:?}");
             (overlaps, apart) = (overlaps + u32::from(is_overlap), apart + u32::from(o.lower > 0.0));
             of[found.locations[1].subshape as usize] += 1;
@@ -118,7 +119,7 @@ fn bodies_of_pieces_are_met_on_time_in_both_orders() {
                 assert!(safe <= other && again <= hit, "{k}: {safe} {hit} {again} {other}");
                 let (a, b) = (still.pose(hit), flight.pose(hit));
                 let at = RelativePose::new(&a, &b).expect("a pose");
-                let within = PairTracker::new().decide_within(&surface, &body, &at, 2e-5, &QueryOptions::default());
+                let within = PairTracker::new().decide(&surface, &body, &at, 2e-5);
                 assert_eq!(within, Decision::Yes, "{k}");
                 hits += 1;
                 safe
@@ -155,16 +156,10 @@ fn far_bodies_have_bounds() {
             assert!(o.lower <= o.distance && o.distance <= o.upper, "{far:e} {width}: {o:?}");
             assert!(o.lower <= far + 4.0 && far - 4.0 <= o.upper, "{far:e} {width}: {o:?}");
         }
+        assert_eq!(tracker.decide(&surface, &body, &pose(&at), f64::NAN), Decision::No);
+        assert_eq!(tracker.decide(&surface, &body, &pose(&at), -1.0), Decision::No);
         assert_eq!(
-            tracker.decide_within(&surface, &body, &pose(&at), f64::NAN, &QueryOptions::default()),
-            Decision::No
-        );
-        assert_eq!(
-            tracker.decide_within(&surface, &body, &pose(&at), -1.0, &QueryOptions::default()),
-            Decision::No
-        );
-        assert_eq!(
-            tracker.decide_within(&surface, &body, &pose(&at), f64::INFINITY, &QueryOptions::default()),
+            tracker.decide(&surface, &body, &pose(&at), f64::INFINITY),
             Decision::Yes
         );
     }

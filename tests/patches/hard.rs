@@ -4,6 +4,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use lin_canny::surface::{BezierPatch, BezierSurface, Nurbs, SurfaceError, revolution};
 use lin_canny::{ContactState, Decision, Mesh, PairTracker, QueryOptions, RelativePose};
 use truth::rng::Rng;
+use truth::support::Decide;
 
 use crate::bodies::{bumpy, place, pose, sphere, torus, tube, vase};
 use crate::truth::judge;
@@ -94,8 +95,8 @@ fn a_border_that_stops_short_is_no_crossing() {
             let at = pose(&Isometry3::translation(0.0, 0.0, gap));
             let mut tracker = PairTracker::new();
             for found in [
-                tracker.decide_within(&floor, &wall, &at, 0.0, &QueryOptions::default()),
-                tracker.decide_within(&wall, &floor, &at.swapped(), 0.0, &QueryOptions::default()),
+                tracker.decide(&floor, &wall, &at, 0.0),
+                tracker.decide(&wall, &floor, &at.swapped(), 0.0),
             ] {
                 assert_eq!(found == Decision::Yes, meets, "{side} {gap:e}: {found:?}");
             }
@@ -178,52 +179,27 @@ fn tangent_and_crossing_surfaces() {
         touching.is_converged && touching.upper < 1e-9 && touching.state != ContactState::Separated,
         "{touching:?}"
     );
-    assert!(
-        tracker
-            .decide_within(&a, &a, &at(2.0), 0.0, &QueryOptions::default())
-            .as_bool()
-            != Some(false)
-    );
-    assert_eq!(
-        tracker.decide_within(&a, &a, &at(2.1), 0.0, &QueryOptions::default()),
-        Decision::No
-    );
+    assert!(tracker.decide(&a, &a, &at(2.0), 0.0).as_bool() != Some(false));
+    assert_eq!(tracker.decide(&a, &a, &at(2.1), 0.0), Decision::No);
     let mut yes = 0;
     for k in 0..40 {
         let cross = at(0.05 + 0.048 * k as f64);
-        yes += u32::from(
-            tracker
-                .decide_within(&a, &a, &cross, 0.0, &QueryOptions::default())
-                .as_bool()
-                == Some(true),
-        );
+        yes += u32::from(tracker.decide(&a, &a, &cross, 0.0).as_bool() == Some(true));
         let o = tracker.closest_with(&a, &a, &cross, &QueryOptions::default().width(1e-9));
         assert!(o.is_converged && o.lower == 0.0 && o.upper < 1e-12, "{o:?}");
     }
     assert_eq!(yes, 40);
-    assert_eq!(
-        tracker.decide_within(&a, &a, &at(2.5), 0.5 + 1e-9, &QueryOptions::default()),
-        Decision::Yes
-    );
-    assert_eq!(
-        tracker.decide_within(&a, &a, &at(2.5), 0.5 - 1e-9, &QueryOptions::default()),
-        Decision::No
-    );
-    assert_eq!(
-        tracker.decide_within(&a, &a, &at(2.5), -1.0, &QueryOptions::default()),
-        Decision::No
-    );
+    assert_eq!(tracker.decide(&a, &a, &at(2.5), 0.5 + 1e-9), Decision::Yes);
+    assert_eq!(tracker.decide(&a, &a, &at(2.5), 0.5 - 1e-9), Decision::No);
+    assert_eq!(tracker.decide(&a, &a, &at(2.5), -1.0), Decision::No);
     assert!(
-        matches!(tracker.decide_within(&a, &a, &at(2.5), 0.5, &QueryOptions::default()), Decision::Undecided { lower, upper } if lower <= 0.5 && upper >= 0.5)
+        matches!(tracker.decide(&a, &a, &at(2.5), 0.5), Decision::Undecided { lower, upper } if lower <= 0.5 && upper >= 0.5)
     );
     // Nearly, but not.
     let flat = one([2, 2], &square(|_, _| 0.0));
     let dish = one([2, 2], &square(|x, y| x * x + y * y));
     let under = pose(&Isometry3::translation(0.0, 0.0, -1e-10));
-    assert_eq!(
-        PairTracker::new().decide_within(&dish, &flat, &under, 0.0, &QueryOptions::default()),
-        Decision::No
-    );
+    assert_eq!(PairTracker::new().decide(&dish, &flat, &under, 0.0), Decision::No);
 }
 
 #[test]
@@ -317,13 +293,7 @@ fn a_patch_just_above_itself_is_decided_soon_or_not() {
         let patch = BezierSurface::new(vec![bumpy(&mut rng, degrees, 0.7)]).expect("a surface");
         let up = rng.log_range(1e-8, 3e-6);
         let mut tracker = PairTracker::new();
-        let found = tracker.decide_within(
-            &patch,
-            &patch,
-            &pose(&Isometry3::translation(0.0, 0.0, up)),
-            0.0,
-            &QueryOptions::default(),
-        );
+        let found = tracker.decide(&patch, &patch, &pose(&Isometry3::translation(0.0, 0.0, up)), 0.0);
         assert!(found != Decision::Yes, "{k} {up:e}");
         assert!(
             tracker.work().surfaces.splits <= 4_096,
@@ -331,20 +301,11 @@ fn a_patch_just_above_itself_is_decided_soon_or_not() {
             tracker.work()
         );
         let away = pose(&Isometry3::translation(0.0, 0.0, 2.0));
-        assert_eq!(
-            tracker.decide_within(&patch, &patch, &away, 0.0, &QueryOptions::default()),
-            Decision::No
-        );
+        assert_eq!(tracker.decide(&patch, &patch, &away, 0.0), Decision::No);
         // Farther up, the query may use all of its budget, and no more.
         let up = rng.log_range(1e-5, 1e-3);
         let before = tracker.work().surfaces.splits;
-        let found = tracker.decide_within(
-            &patch,
-            &patch,
-            &pose(&Isometry3::translation(0.0, 0.0, up)),
-            0.0,
-            &QueryOptions::default(),
-        );
+        let found = tracker.decide(&patch, &patch, &pose(&Isometry3::translation(0.0, 0.0, up)), 0.0);
         let is_honest = match found {
             Decision::No => true,
             Decision::Undecided { lower, upper } => lower == 0.0 && 0.0 < upper && upper <= up,

@@ -7,6 +7,7 @@ use lin_canny::{
     ContactState, ConvexPolyhedron, Decision, PairOutcome, PairTracker, QueryOptions, RelativePose, Shape,
 };
 use truth::rng::Rng;
+use truth::support::Decide;
 
 use crate::bodies::{bumpy, place, pose, sphere, tube, vase};
 
@@ -91,10 +92,7 @@ fn a_surface_through_or_within_a_shape_shares_points() {
                 (ContactState::Overlapping, f64::NEG_INFINITY, 0.0, 0.0),
                 "{o:?}"
             );
-            assert_eq!(
-                tracker.decide_within(&shell, &shape, &pose(&at), 0.0, &QueryOptions::default()),
-                Decision::Yes
-            );
+            assert_eq!(tracker.decide(&shell, &shape, &pose(&at), 0.0), Decision::Yes);
         }
     }
     // Touching: neither answer is proven.
@@ -102,29 +100,14 @@ fn a_surface_through_or_within_a_shape_shares_points() {
     let mut tracker = PairTracker::new();
     let at = |x: f64| pose(&Isometry3::translation(0.6 * x, 0.8 * x, 0.0));
     assert!(matches!(
-        tracker.decide_within(&shell, &ball, &at(1.0), 0.0, &QueryOptions::default()),
+        tracker.decide(&shell, &ball, &at(1.0), 0.0),
         Decision::Undecided { .. }
     ));
-    assert_eq!(
-        tracker.decide_within(&shell, &ball, &at(1.0 + 1e-9), 0.0, &QueryOptions::default()),
-        Decision::No
-    );
-    assert_eq!(
-        tracker.decide_within(&shell, &ball, &at(1.0 - 1e-9), 0.0, &QueryOptions::default()),
-        Decision::Yes
-    );
-    assert_eq!(
-        tracker.decide_within(&shell, &ball, &at(1.5), 0.5 + 1e-9, &QueryOptions::default()),
-        Decision::Yes
-    );
-    assert_eq!(
-        tracker.decide_within(&shell, &ball, &at(1.5), 0.5 - 1e-9, &QueryOptions::default()),
-        Decision::No
-    );
-    assert_eq!(
-        tracker.decide_within(&shell, &ball, &at(1.5), -1.0, &QueryOptions::default()),
-        Decision::No
-    );
+    assert_eq!(tracker.decide(&shell, &ball, &at(1.0 + 1e-9), 0.0), Decision::No);
+    assert_eq!(tracker.decide(&shell, &ball, &at(1.0 - 1e-9), 0.0), Decision::Yes);
+    assert_eq!(tracker.decide(&shell, &ball, &at(1.5), 0.5 + 1e-9), Decision::Yes);
+    assert_eq!(tracker.decide(&shell, &ball, &at(1.5), 0.5 - 1e-9), Decision::No);
+    assert_eq!(tracker.decide(&shell, &ball, &at(1.5), -1.0), Decision::No);
 }
 
 /// The boundary of a polyhedron as flat patches, against the tracker of the solid.

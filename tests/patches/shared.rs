@@ -5,6 +5,7 @@ use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{Compound, Decision, PairTracker, QueryOptions, Shape};
 use truth::rng::Rng;
+use truth::support::Decide;
 use truth::support::piece_at;
 
 use crate::bodies::{place, pose, sphere};
@@ -52,18 +53,10 @@ fn surfaces_of_every_kind_share_a_tracker() {
                 PairTracker::new().closest_with(x, y, &at, &QueryOptions::default().width(WIDTH)),
                 "{k}"
             );
-            let within = shared.decide_within(&d, &c, &at, o.distance, &QueryOptions::default());
-            assert_eq!(
-                within,
-                PairTracker::new().decide_within(&d, &c, &at, o.distance, &QueryOptions::default()),
-                "{k}"
-            );
-            let meets = shared.decide_within(y, x, &at, 0.0, &QueryOptions::default());
-            assert_eq!(
-                meets,
-                PairTracker::new().decide_within(y, x, &at, 0.0, &QueryOptions::default()),
-                "{k}"
-            );
+            let within = shared.decide(&d, &c, &at, o.distance);
+            assert_eq!(within, PairTracker::new().decide(&d, &c, &at, o.distance), "{k}");
+            let meets = shared.decide(y, x, &at, 0.0);
+            assert_eq!(meets, PairTracker::new().decide(y, x, &at, 0.0), "{k}");
         }
     }
 }
@@ -99,8 +92,8 @@ fn surfaces_and_shapes_of_every_kind_share_a_tracker() {
             );
             // Neither this pair nor the next.
             let (z, w) = pairs[(n + 2) % 4];
-            let within = shared.decide_within(z, w, &at, o.distance, &QueryOptions::default());
-            let cold = PairTracker::new().decide_within(z, w, &at, o.distance, &QueryOptions::default());
+            let within = shared.decide(z, w, &at, o.distance);
+            let cold = PairTracker::new().decide(z, w, &at, o.distance);
             assert_eq!(within, cold, "{k}");
         }
     }
@@ -131,8 +124,8 @@ fn surfaces_and_bodies_of_pieces_share_a_tracker() {
             let cold = PairTracker::new().closest_with(x, y, &at, &QueryOptions::default().width(WIDTH));
             assert!(o.lower <= cold.upper && cold.lower <= o.upper, "{k}: {o:?} {cold:?}");
             assert!(o.is_converged && cold.is_converged, "{k}: {o:?} {cold:?}");
-            let within = shared.decide_within(&c, d, &at, o.distance, &QueryOptions::default());
-            let cold = PairTracker::new().decide_within(&c, d, &at, o.distance, &QueryOptions::default());
+            let within = shared.decide(&c, d, &at, o.distance);
+            let cold = PairTracker::new().decide(&c, d, &at, o.distance);
             assert!(is_consistent(within, cold), "{k}: {within:?} {cold:?}");
         }
     }

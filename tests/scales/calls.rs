@@ -16,6 +16,7 @@ use lin_canny::{
 };
 use truth::rng::Rng;
 use truth::shapes;
+use truth::support::Decide;
 use truth::support::body;
 use truth::support::piece_at;
 
@@ -211,14 +212,8 @@ fn geometries(scene: &mut Scene, rng: &mut Rng) {
             "witnesses",
             found.point_on_a.iter().chain(found.point_on_b.iter()).copied(),
         );
-        scene.plain(
-            "intersects",
-            tracker.decide_within(a, b, &pose, 0.0, &QueryOptions::default()),
-        );
-        scene.plain(
-            "within",
-            tracker.decide_within(a, b, &pose, WITHIN[1] * unit, &QueryOptions::default()),
-        );
+        scene.plain("intersects", tracker.decide(a, b, &pose, 0.0));
+        scene.plain("within", tracker.decide(a, b, &pose, WITHIN[1] * unit));
         let few = QueryOptions::default().splits(100);
         let decision = tracker.decide_within(a, b, &pose, WITHIN[1] * unit, &few);
         scene.plain("within, few splits", decision);
@@ -313,12 +308,9 @@ fn shape_pairs(scene: &mut Scene, rng: &mut Rng) {
             );
             let d = warm.distance(a, b, &pose);
             scene.distance("distance", &d);
-            scene.plain(&name, warm.decide_within(a, b, &pose, 0.0, &QueryOptions::default()));
+            scene.plain(&name, warm.decide(a, b, &pose, 0.0));
             for d in WITHIN {
-                scene.plain(
-                    &name,
-                    warm.decide_within(a, b, &pose, d * scene.unit, &QueryOptions::default()),
-                );
+                scene.plain(&name, warm.decide(a, b, &pose, d * scene.unit));
             }
             warm.manifold(a, b, &pose, &options, &mut manifold).unwrap();
             scene.manifold(&name, &manifold);
@@ -347,15 +339,9 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
             scene.plain("closest", (o.state, o.locations, o.normal));
             let d = tracker.distance(&a, &b, &pose);
             scene.distance("distance", &d);
-            scene.plain(
-                "intersects",
-                tracker.decide_within(&a, &b, &pose, 0.0, &QueryOptions::default()),
-            );
+            scene.plain("intersects", tracker.decide(&a, &b, &pose, 0.0));
             for d in WITHIN {
-                scene.plain(
-                    "within",
-                    tracker.decide_within(&a, &b, &pose, d * scene.unit, &QueryOptions::default()),
-                );
+                scene.plain("within", tracker.decide(&a, &b, &pose, d * scene.unit));
             }
             let lower = tracker.lower_bound(&a, &b, &pose);
             scene.lengths("lower bound", [lower]);
@@ -428,15 +414,9 @@ fn pieces<'g>(scene: &mut Scene, rng: &mut Rng, a: impl Into<GeometryRef<'g>>, b
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
             scene.plain("closest", (o.state, o.locations, o.normal));
-            scene.plain(
-                "intersects",
-                tracker.decide_within(a, b, &pose, 0.0, &QueryOptions::default()),
-            );
+            scene.plain("intersects", tracker.decide(a, b, &pose, 0.0));
             for d in WITHIN {
-                scene.plain(
-                    "within",
-                    tracker.decide_within(a, b, &pose, d * scene.unit, &QueryOptions::default()),
-                );
+                scene.plain("within", tracker.decide(a, b, &pose, d * scene.unit));
             }
             let lower = tracker.lower_bound(a, b, &pose);
             scene.lengths("lower bound", [lower]);
@@ -462,14 +442,8 @@ fn surfaces(scene: &mut Scene, rng: &mut Rng) {
         let witnesses = [&o.point_on_a, &o.point_on_b];
         scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
         scene.plain("closest", (o.state, o.is_converged, o.locations, o.normal));
-        scene.decision(
-            "intersects",
-            warm.decide_within(&a, &b, &pose, 0.0, &QueryOptions::default()),
-        );
-        scene.decision(
-            "within",
-            warm.decide_within(&a, &b, &pose, 0.3 * scene.unit, &QueryOptions::default()),
-        );
+        scene.decision("intersects", warm.decide(&a, &b, &pose, 0.0));
+        scene.decision("within", warm.decide(&a, &b, &pose, 0.3 * scene.unit));
     }
 }
 
@@ -484,17 +458,11 @@ fn surfaces_and_others(scene: &mut Scene, rng: &mut Rng) {
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("shape", [o.lower, o.upper], o.distance, witnesses);
             scene.plain("shape", (o.state, o.is_converged, o.locations, o.normal));
-            scene.decision(
-                "within",
-                tracker.decide_within(&a, shape, &pose, 0.3 * scene.unit, &QueryOptions::default()),
-            );
+            scene.decision("within", tracker.decide(&a, shape, &pose, 0.3 * scene.unit));
         }
         let mut tracker = PairTracker::new();
         let d = tracker.closest_with(&a, &body, &pose, &QueryOptions::default().width(width));
         scene.distance("compound", &Distance::from(&d));
-        scene.decision(
-            "within",
-            tracker.decide_within(&a, &body, &pose, 0.3 * scene.unit, &QueryOptions::default()),
-        );
+        scene.decision("within", tracker.decide(&a, &body, &pose, 0.3 * scene.unit));
     }
 }

@@ -43,6 +43,16 @@ impl Pose {
         }
     }
 
+    /// Returns the pose with another translation.
+    pub const fn moved_to(&self, t: Point) -> Self {
+        Self { t, ..*self }
+    }
+
+    /// Returns the pose shifted by a vector of the outer frame.
+    pub fn shifted(&self, by: Point) -> Self {
+        self.moved_to(add(self.t, by))
+    }
+
     /// Returns the image of the point `v`, in `f64`.
     pub fn apply(&self, v: Point) -> Point {
         add(self.rotate(v), self.t)

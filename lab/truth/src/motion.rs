@@ -125,10 +125,7 @@ pub fn pass_through(rng: &mut Rng, frames: usize, radii: (f64, f64), miss: f64) 
 /// B slides along `direction` without rotating, by `step` per frame: features change one by one, or
 /// a face rests on a face.
 pub fn slide(start: Frame, direction: Point, step: f64, frames: usize) -> Vec<Frame> {
-    let at = |i: usize| Pose {
-        t: add(start.b.t, scale(direction, step * i as f64)),
-        ..start.b
-    };
+    let at = |i: usize| start.b.shifted(scale(direction, step * i as f64));
     (0..frames).map(|i| Frame { b: at(i), ..start }).collect()
 }
 

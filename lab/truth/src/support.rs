@@ -6,7 +6,10 @@ use crate::shapes::Shape;
 use crate::{Exact, Point, Pose};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{ContactState, ConvexPolyhedron, Feature, FeaturePair, Outcome, Piece, RelativePose};
+use lin_canny::{
+    ContactState, ConvexPolyhedron, Decision, Feature, FeaturePair, GeometryRef, Outcome, PairTracker, Piece,
+    QueryOptions, RelativePose,
+};
 
 /// Returns the pose of B in A's frame, from poses in the world frame.
 pub fn between(a: &Pose, b: &Pose) -> RelativePose {
@@ -21,6 +24,30 @@ pub fn relative(frame: &Frame) -> RelativePose {
 /// Returns the pose of B shifted by a vector, with A at rest.
 pub fn shifted(by: Point) -> RelativePose {
     between(&Pose::IDENTITY, &Pose::shift(by))
+}
+
+/// Decisions with the default options.
+pub trait Decide {
+    /// Returns whether two geometries are at most `d` apart.
+    fn decide<'g>(
+        &mut self,
+        a: impl Into<GeometryRef<'g>>,
+        b: impl Into<GeometryRef<'g>>,
+        pose: &RelativePose,
+        d: f64,
+    ) -> Decision;
+}
+
+impl Decide for PairTracker {
+    fn decide<'g>(
+        &mut self,
+        a: impl Into<GeometryRef<'g>>,
+        b: impl Into<GeometryRef<'g>>,
+        pose: &RelativePose,
+        d: f64,
+    ) -> Decision {
+        self.decide_within(a, b, pose, d, &QueryOptions::default())
+    }
 }
 
 /// Returns a piece of a compound without a name.

@@ -97,7 +97,7 @@ pub fn stacked(a: FacePlane, b: FacePlane, spin: f64, distance: f64) -> Frame {
     let q = quat_mul(quat(up, spin), between(down, scale(up, -1.0)));
     let turned = Pose::new(unit_quat(q), [0.0; 3]);
     let t = sub(add(at, scale(up, distance)), turned.rotate(on));
-    Frame::new(Pose::IDENTITY, Pose { t, ..turned })
+    Frame::new(Pose::IDENTITY, turned.moved_to(t))
 }
 
 /// Returns a rotation that maps one unit direction to another.
@@ -142,7 +142,7 @@ pub fn to_and_fro(start: Frame, way: Point, period: usize, frames: usize, rng: &
         let along = 1.0 - 4.0 * (phase - 0.5).abs();
         let t = add(start.b.t, scale(way, along));
         Frame {
-            b: Pose { t, ..start.b },
+            b: start.b.moved_to(t),
             ..start
         }
         .moved(&world)

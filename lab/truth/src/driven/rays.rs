@@ -236,7 +236,7 @@ impl World {
         }
         let far = [0.0, 1.0, 3.0, rng.range(0.0, 4.0), rng.log_range(1e-16, 1.0)][rng.below(5)];
         let from = sub(to, scale(unit(way), far * self.size));
-        let turn = Pose { t: [0.0; 3], ..self.at };
+        let turn = self.at.moved_to([0.0; 3]);
         let [origin, way] = [(from, &self.at), (way, &turn)].map(|(p, at)| placed(&[p], at)[0].each_ref().map(rounded));
         Ray::new(Point3::from(origin), Vector3::from(way)).ok()
     }
@@ -335,7 +335,7 @@ impl World {
             (RayCast::Hit(hit), truth) => {
                 let n: Point = hit.normal.into_inner().into();
                 let is_of_plane = |m: &Point| {
-                    let turn = Pose { t: [0.0; 3], ..self.at };
+                    let turn = self.at.moved_to([0.0; 3]);
                     norm(sub(n, placed(&[*m], &turn)[0].each_ref().map(rounded))) < 1e-14
                 };
                 (dot(n, n) - 1.0).abs() < 4e-14

@@ -5,13 +5,14 @@ use super::Mix;
 use super::draw::{Drawn, Part, compound, is_thick, other, rotation};
 use crate::exact::{self, Body as ExactBody};
 use crate::rng::Rng;
+use crate::support::Decide;
 use crate::{Point, Pose};
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::scene::{Body, Change, Group, PairQueries, Scene};
 use lin_canny::shape::Core;
-use lin_canny::{ContactState, PairOutcome, PairTracker, QueryOptions, RelativePose, Shape, Velocity};
+use lin_canny::{ContactState, PairOutcome, PairTracker, RelativePose, Shape, Velocity};
 
 /// Poses of a pair.
 const POSES: usize = 5;
@@ -147,7 +148,7 @@ impl<'a> Judged<'a> {
             2.0 * upper + 0.1,
         ];
         for d in asked.into_iter().filter(|d| *d >= 0.0) {
-            let said = tracker.decide_within(a, b, &pose, d, &QueryOptions::default());
+            let said = tracker.decide(a, b, &pose, d);
             let is_wrong = if upper + noise <= d {
                 said.is_no() || !self.is_shell() && !said.is_yes()
             } else if lower - width > d {
@@ -159,7 +160,7 @@ impl<'a> Judged<'a> {
                 return Err(self.wrong(what, &(d, said)));
             }
         }
-        let meets = tracker.decide_within(a, b, &pose, 0.0, &QueryOptions::default());
+        let meets = tracker.decide(a, b, &pose, 0.0);
         if !self.is_shell() && (lower > width && !meets.is_no() || upper < -noise && !meets.is_yes()) {
             return Err(self.wrong(what, &meets));
         }
@@ -217,7 +218,7 @@ impl<'a> Judged<'a> {
         if !(is_right && is_bounded) {
             return Err(self.wrong("exactly", &(found, least)));
         }
-        let said = tracker.decide_within(a, b, &pose, high, &QueryOptions::default());
+        let said = tracker.decide(a, b, &pose, high);
         if !said.is_yes() {
             return Err(self.wrong("within, exactly", &(said, least)));
         }

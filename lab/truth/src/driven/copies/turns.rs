@@ -6,11 +6,12 @@
 use super::Mix;
 use crate::rng::Rng;
 use crate::soups::Soup;
+use crate::support::Decide;
 use crate::{Pose, brute};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
-use lin_canny::{Geometry, Mesh, PairTracker, QueryOptions, RelativePose};
+use lin_canny::{Geometry, Mesh, PairTracker, RelativePose};
 
 /// Squares of the sheet along x and y.
 const SQUARES: [u32; 2] = [16, 6];
@@ -171,7 +172,7 @@ pub(super) fn family(seed: u64) -> Result<Mix, String> {
                     truth + 2.0 * noise,
                     2.0 * truth + 0.1,
                 ] {
-                    let said = tracker.decide_within(mesh, &probe, &relative, d, &QueryOptions::default());
+                    let said = tracker.decide(mesh, &probe, &relative, d);
                     if said.is_yes() && truth - noise > d || d >= 0.0 && said.is_no() && truth + noise <= d {
                         return wrong("within", &(d, said));
                     }
