@@ -20,13 +20,7 @@ fn lines() -> Vec<String> {
     ];
     let mut receipt = Receipt::new(Some([0.0, 1.0, 0.0]), bodies);
     let time = [0.0, 1.0];
-    receipt.evidence = vec![Line::Plane {
-        pair: [0, 1],
-        normal: [1.0, 0.0, 0.0],
-        spin: None,
-        time,
-        keep: 0.0,
-    }];
+    receipt.evidence = vec![Line::plane([0, 1], [1.0, 0.0, 0.0], time, 0.0)];
     receipt.lines()
 }
 

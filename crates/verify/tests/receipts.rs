@@ -90,13 +90,7 @@ fn exactly_the_margin_is_refused() {
             body(half, Move::Steady(at, still)),
         ];
         let mut receipt = Receipt::new(Some([0.0, 1.0, 0.25]), bodies);
-        let line = Line::Plane {
-            pair: [0, 1],
-            normal: [1.0, 0.0, 0.0],
-            spin: None,
-            time: [0.0, 1.0],
-            keep: 0.25,
-        };
+        let line = Line::plane([0, 1], [1.0, 0.0, 0.0], [0.0, 1.0], 0.25);
         receipt.evidence.push(line);
         receipt
     };
@@ -127,22 +121,10 @@ fn sines_of_large_angles_are_enclosed() {
         let bodies = vec![body(arm, Move::Link(1, None)), body(wall, Move::Rest(beyond(1.5)))];
         let mut receipt = Receipt::new(Some([0.0, 1.0, 0.0]), bodies);
         let drive = (0, 1.0, angle);
-        receipt.joints = vec![Joint {
-            parent: 0,
-            kind: "turn",
-            origin,
-            axis: [0.0, 0.0, 1.0],
-            drive,
-        }];
+        receipt.joints = vec![Joint::new(0, "turn", origin, [0.0, 0.0, 1.0], drive)];
         receipt.evidence = vec![
             Line::Leg(vec![vec![0.0], vec![0.0]]),
-            Line::Plane {
-                pair: [0, 1],
-                normal: end,
-                spin: None,
-                time: [0.0, 1.0],
-                keep: 0.0,
-            },
+            Line::plane([0, 1], end, [0.0, 1.0], 0.0),
         ];
         holds(&receipt.text());
         // The same wall where the tip is.
@@ -231,11 +213,7 @@ fn touching_at_rest_is_proven() {
             let mut rng = Rng(7);
             (0..2_000).any(|_| {
                 let points = std::array::from_fn(|_| [rng.below(8), rng.below(8)]);
-                receipt.evidence = vec![Line::Meet {
-                    pair: [0, 1],
-                    at: None,
-                    points,
-                }];
+                receipt.evidence = vec![Line::meet(None, points)];
                 verify(receipt.text().as_bytes()).unwrap().holds()
             })
         };

@@ -106,25 +106,13 @@ fn a_plane_that_only_the_polynomial_respects_is_refused() {
         let bodies = vec![body(tip, Move::Link(1, None)), body(cuboid([0.125; 3]), wall)];
         let mut receipt = Receipt::new(Some([0.0, 1.0, 0.0]), bodies);
         let (axis, drive) = ([0.0, 0.0, 1.0], (0, 1.0, 0.0));
-        receipt.joints = vec![Joint {
-            parent: 0,
-            kind: "turn",
-            origin: REST,
-            axis,
-            drive,
-        }];
+        receipt.joints = vec![Joint::new(0, "turn", REST, axis, drive)];
         for k in 0..72 {
             receipt.bodies.swap(0, 1);
             let (x, y) = ((f64::from(k / 2) * 0.175).cos(), (f64::from(k / 2) * 0.175).sin());
             receipt.evidence = vec![
                 Line::Leg(vec![vec![0.0], vec![angle]]),
-                Line::Plane {
-                    pair: [0, 1],
-                    normal: [x, y, 0.0],
-                    spin: None,
-                    time: [0.0, 1.0],
-                    keep: 0.0,
-                },
+                Line::plane([0, 1], [x, y, 0.0], [0.0, 1.0], 0.0),
             ];
             assert!(!accepted(&receipt.text()), "{angle} {k}");
         }

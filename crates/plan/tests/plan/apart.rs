@@ -74,34 +74,23 @@ fn scene(rng: &mut Rng, is_moving: bool) -> Checker<JointTree> {
     }
     let mut checker = Checker::new(carts(9.0), cell).expect("a world");
     let grip = Isometry3::translation(rng.range(-0.3, 0.3), rng.range(-0.3, 0.3), rng.range(-0.1, 0.1));
-    checker
-        .cell_mut()
-        .carry("cart 0", "load", geometry(rng), grip, &["cart 0"]);
+    let mut cell = checker.cell_mut();
+    cell.carry("cart 0", "load", geometry(rng), grip, &["cart 0"]);
     if rng.chance(0.7) {
-        checker
-            .cell_mut()
-            .set_margin(rng.log_range(1e-3, 0.3))
-            .expect("a margin");
+        cell.set_margin(rng.log_range(1e-3, 0.3)).expect("a margin");
     }
     if rng.chance(0.4) {
-        checker
-            .cell_mut()
-            .pad(rng.pick(&names).as_str(), rng.log_range(1e-3, 0.3))
+        cell.pad(rng.pick(&names).as_str(), rng.log_range(1e-3, 0.3))
             .expect("a padding");
     }
     if rng.chance(0.3) {
-        checker
-            .cell_mut()
-            .pad("load", rng.log_range(1e-3, 0.2))
-            .expect("a padding");
+        cell.pad("load", rng.log_range(1e-3, 0.2)).expect("a padding");
     }
     if rng.chance(0.5) {
         let margin = Some(rng.log_range(1e-3, 0.6));
-        checker
-            .cell_mut()
-            .set_pair_margin("cart 1", "cart 2", margin)
-            .expect("a margin");
+        cell.set_pair_margin("cart 1", "cart 2", margin).expect("a margin");
     }
+    drop(cell);
     checker
 }
 

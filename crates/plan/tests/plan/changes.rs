@@ -235,26 +235,18 @@ fn loaded(rng: &mut Rng) -> Checker<JointTree> {
             checker.cell_mut().put(k, geometry(rng), at);
         }
     }
+    let mut cell = checker.cell_mut();
     let grip = ["hand", "tool"];
-    checker
-        .cell_mut()
-        .carry("tool", "part", geometry(rng), pose(rng, 0.15), &grip);
-    checker
-        .cell_mut()
-        .carry("upper", "pack", geometry(rng), pose(rng, 0.4), &["fore"]);
-    checker.cell_mut().set_margin(0.01).expect("a margin");
-    checker.cell_mut().pad("part", 0.03).expect("a padding");
-    checker.cell_mut().pad("hand", 0.005).expect("a padding");
-    let id = checker.cell().bodies().map(|b| b.0).last().expect("a body");
-    checker.cell_mut().pad(id, 0.02).expect("a padding");
-    checker
-        .cell_mut()
-        .set_pair_margin("fore", id, Some(0.0))
-        .expect("a margin");
-    checker
-        .cell_mut()
-        .set_pair_margin("pack", id, Some(0.1))
-        .expect("a margin");
+    cell.carry("tool", "part", geometry(rng), pose(rng, 0.15), &grip);
+    cell.carry("upper", "pack", geometry(rng), pose(rng, 0.4), &["fore"]);
+    cell.set_margin(0.01).expect("a margin");
+    cell.pad("part", 0.03).expect("a padding");
+    cell.pad("hand", 0.005).expect("a padding");
+    let id = cell.bodies().map(|b| b.0).last().expect("a body");
+    cell.pad(id, 0.02).expect("a padding");
+    cell.set_pair_margin("fore", id, Some(0.0)).expect("a margin");
+    cell.set_pair_margin("pack", id, Some(0.1)).expect("a margin");
+    drop(cell);
     checker
 }
 

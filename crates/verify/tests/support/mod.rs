@@ -136,6 +136,18 @@ pub(crate) struct Joint {
     pub(crate) drive: (usize, f64, f64),
 }
 
+impl Joint {
+    pub(crate) fn new(parent: usize, kind: &'static str, origin: Pose, axis: V, drive: (usize, f64, f64)) -> Self {
+        Self {
+            parent,
+            kind,
+            origin,
+            axis,
+            drive,
+        }
+    }
+}
+
 pub(crate) type Weights = Vec<(usize, f64)>;
 
 #[derive(Clone, Debug)]
@@ -176,6 +188,25 @@ pub(crate) enum Line {
         normal: V,
         on: [Weights; 2],
     },
+}
+
+impl Line {
+    /// A plane that does not turn.
+    pub(crate) fn plane(pair: [usize; 2], normal: V, time: [f64; 2], keep: f64) -> Self {
+        Self::Plane {
+            pair,
+            normal,
+            spin: None,
+            time,
+            keep,
+        }
+    }
+
+    /// A point that the first two bodies have in common.
+    pub(crate) fn meet(at: Option<f64>, points: [[usize; 2]; 4]) -> Self {
+        let pair = [0, 1];
+        Self::Meet { pair, at, points }
+    }
 }
 
 /// What a receipt holds, to be changed before it is written.
@@ -459,13 +490,7 @@ impl Receipt {
             let n = scale(n, 1.0 / size);
             let gaps = samples.iter().map(|t| gap(n, &at(*t))).fold(f64::INFINITY, f64::min);
             if gaps > keep + radii + 0.002 + 0.02 * (until - from) {
-                self.evidence.push(Line::Plane {
-                    pair,
-                    normal: n,
-                    spin: None,
-                    time,
-                    keep,
-                });
+                self.evidence.push(Line::plane(pair, n, time, keep));
                 return true;
             }
         }
@@ -663,12 +688,8 @@ pub(crate) fn cast(rng: &mut Rng, margin: f64) -> Receipt {
 /// An arm of three turns and a slide beside two boxes, along one or several legs.
 pub(crate) fn arm(rng: &mut Rng, margin: f64, legs: usize, degree: usize) -> Receipt {
     loop {
-        let joint = |parent, kind, z: f64, axis, c| Joint {
-            parent,
-            kind,
-            origin: [0.0, 0.0, z, 0.0, 0.0, 0.0, 1.0],
-            axis,
-            drive: (c, 1.0, 0.0),
+        let joint = |parent, kind, z: f64, axis, c| {
+            Joint::new(parent, kind, [0.0, 0.0, z, 0.0, 0.0, 0.0, 1.0], axis, (c, 1.0, 0.0))
         };
         let joints = vec![
             joint(0, "turn", 0.3, [0.0, 0.0, 1.0], 0),
@@ -739,12 +760,8 @@ pub(crate) fn arm(rng: &mut Rng, margin: f64, legs: usize, degree: usize) -> Rec
 /// A lever of a turn, a slide and a turn that follows the first, near a box, along one or two legs.
 pub(crate) fn lever(rng: &mut Rng, margin: f64, legs: usize, degree: usize) -> Receipt {
     loop {
-        let joint = |parent, kind, x: f64, axis, drive| Joint {
-            parent,
-            kind,
-            origin: [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
-            axis,
-            drive,
+        let joint = |parent, kind, x: f64, axis, drive| {
+            Joint::new(parent, kind, [x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], axis, drive)
         };
         let joints = vec![
             joint(0, "turn", 0.1, [0.0, -0.6, 0.8], (0, 1.0, 0.0)),
@@ -805,11 +822,7 @@ pub(crate) fn overlap(rng: &mut Rng) -> Receipt {
         let bodies = [0, 1].map(|_| body(random_box(rng), Move::Rest(rng.pose(0.2))));
         let mut receipt = Receipt::new(None, bodies.into());
         if let Some(points) = enclosing(rng, &receipt.placed(0, None, 0.0), &receipt.placed(1, None, 0.0)) {
-            receipt.evidence.push(Line::Meet {
-                pair: [0, 1],
-                at: None,
-                points,
-            });
+            receipt.evidence.push(Line::meet(None, points));
             return receipt;
         }
     }
@@ -842,11 +855,7 @@ pub(crate) fn touching(rng: &mut Rng) -> Receipt {
             (all.iter().all(|x| *x > 0.0) || all.iter().all(|x| *x < 0.0)).then_some(pairs)
         });
         if let Some(points) = found {
-            receipt.evidence.push(Line::Meet {
-                pair: [0, 1],
-                at: None,
-                points,
-            });
+            receipt.evidence.push(Line::meet(None, points));
             return receipt;
         }
     }
@@ -906,11 +915,7 @@ pub(crate) fn hit(rng: &mut Rng) -> Receipt {
         if let Some(points) = found
             && receipt.prove([0, 1], None, [0.0, 0.25], 6)
         {
-            receipt.evidence.push(Line::Meet {
-                pair: [0, 1],
-                at: Some(1.0),
-                points,
-            });
+            receipt.evidence.push(Line::meet(Some(1.0), points));
             return receipt;
         }
     }

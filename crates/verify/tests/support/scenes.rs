@@ -196,13 +196,13 @@ fn changed(receipt: &Receipt, rng: &mut Rng) -> (&'static str, Receipt) {
         "another axis" if links > 0 => other.joints[joint].axis = rng.vector(1.0),
         "another parent" if links > 0 => other.joints[joint].parent = rng.below(joint + 1),
         "a joint more" => {
-            other.joints.push(Joint {
-                parent: rng.below(links + 1),
-                kind: ["turn", "slide", "fixed"][rng.below(3)],
-                origin: REST,
-                axis: [0.0, 0.0, 1.0],
-                drive: (rng.below(3), 1.0, 0.0),
-            });
+            other.joints.push(Joint::new(
+                rng.below(links + 1),
+                ["turn", "slide", "fixed"][rng.below(3)],
+                REST,
+                [0.0, 0.0, 1.0],
+                (rng.below(3), 1.0, 0.0),
+            ));
             if rng.below(2) == 0 {
                 other.bodies[body].motion = Move::Link(links + 1, None);
             }
