@@ -175,6 +175,14 @@ fn a_bending_mesh_meets_another_when_all_pairs_of_triangles_say() {
     assert!(tally.iter().all(|n| *n > 4), "{tally:?}");
 }
 
+/// Judges a mesh against itself between two lists of positions; the result is that of `judge`.
+fn judge_self(rest: &Soup, p: [&Soup; 2], what: &str) -> usize {
+    let [begin, end] = ends(rest, p);
+    let moving = MovingMesh::new(&begin, &end).unwrap();
+    let found = continuous::cast_self(&moving, Tolerance::Time(WIDTH)).unwrap();
+    judge(&found.impact, p, p, true, what)
+}
+
 #[test]
 fn a_mesh_meets_itself_when_all_pairs_of_triangles_say() {
     let (mut tally, mut rng) = ([0; 3], Rng::new(9));
@@ -182,11 +190,7 @@ fn a_mesh_meets_itself_when_all_pairs_of_triangles_say() {
         for way in WAYS {
             for (k, rest) in [sheet(6, 2.0), soups::knot(16, 4, 0.1)].iter().enumerate() {
                 let [begin, end] = moved(way, &mut rng, rest);
-                let m = ends(rest, [&begin, &end]);
-                let a = MovingMesh::new(&m[0], &m[1]).unwrap();
-                let found = continuous::cast_self(&a, Tolerance::Time(WIDTH)).unwrap();
-                let p = [&begin, &end];
-                tally[judge(&found.impact, p, p, true, &format!("{way} {round} {k}"))] += 1;
+                tally[judge_self(rest, [&begin, &end], &format!("{way} {round} {k}"))] += 1;
             }
         }
     }
@@ -228,11 +232,8 @@ fn strips_that_wind_over_themselves_meet_when_all_pairs_of_triangles_say() {
                 Soup::new(points, (0..n).flat_map(square).collect())
             };
             let (begin, end) = (at((from, turns)), at((to, turns + more)));
-            let m = ends(&at((0.5, turns)), [&begin, &end]);
-            let a = MovingMesh::new(&m[0], &m[1]).unwrap();
-            let found = continuous::cast_self(&a, Tolerance::Time(WIDTH)).unwrap();
-            let p = [&begin, &end];
-            tally[judge(&found.impact, p, p, true, &format!("{turns} {from} {to} {more} {k}"))] += 1;
+            let what = format!("{turns} {from} {to} {more} {k}");
+            tally[judge_self(&at((0.5, turns)), [&begin, &end], &what)] += 1;
         }
     }
     assert!(tally.iter().all(|n| *n > 2), "{tally:?}");
@@ -295,11 +296,7 @@ fn a_sheet_that_is_pushed_over_itself_meets_itself_when_all_pairs_of_triangles_s
         };
         let begin = pushed(far, up);
         let end = pushed(far * rng.range(0.5, 1.2), up * rng.range(-1.0, 1.0));
-        let m = ends(&rest, [&begin, &end]);
-        let a = MovingMesh::new(&m[0], &m[1]).unwrap();
-        let found = continuous::cast_self(&a, Tolerance::Time(WIDTH)).unwrap();
-        let p = [&begin, &end];
-        tally[judge(&found.impact, p, p, true, &format!("{round}"))] += 1;
+        tally[judge_self(&rest, [&begin, &end], &format!("{round}"))] += 1;
     }
     assert!(tally[0] > 4 && tally[2] > 4, "{tally:?}");
 }

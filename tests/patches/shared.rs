@@ -48,11 +48,8 @@ fn surfaces_of_every_kind_share_a_tracker() {
         let at = pose(&place(&mut rng, apart));
         for (x, y) in [(&a, &b), (&c, &d), (&a, &d), (&c, &b)] {
             let o = shared.closest_with(x, y, &at, &QueryOptions::default().width(WIDTH));
-            assert_eq!(
-                o,
-                PairTracker::new().closest_with(x, y, &at, &QueryOptions::default().width(WIDTH)),
-                "{k}"
-            );
+            let cold = PairTracker::new().closest_with(x, y, &at, &QueryOptions::default().width(WIDTH));
+            assert_eq!(o, cold, "{k}");
             let within = shared.decide(&d, &c, &at, o.distance);
             assert_eq!(within, PairTracker::new().decide(&d, &c, &at, o.distance), "{k}");
             let meets = shared.decide(y, x, &at, 0.0);
@@ -85,16 +82,12 @@ fn surfaces_and_shapes_of_every_kind_share_a_tracker() {
         let pairs = [(&a, &b), (&c, &d), (&a, &d), (&c, &b)];
         for (n, (x, y)) in pairs.into_iter().enumerate() {
             let o = shared.closest_with(x, y, &at, &QueryOptions::default().width(WIDTH));
-            assert_eq!(
-                o,
-                PairTracker::new().closest_with(x, y, &at, &QueryOptions::default().width(WIDTH)),
-                "{k}"
-            );
+            let cold = PairTracker::new().closest_with(x, y, &at, &QueryOptions::default().width(WIDTH));
+            assert_eq!(o, cold, "{k}");
             // Neither this pair nor the next.
             let (z, w) = pairs[(n + 2) % 4];
             let within = shared.decide(z, w, &at, o.distance);
-            let cold = PairTracker::new().decide(z, w, &at, o.distance);
-            assert_eq!(within, cold, "{k}");
+            assert_eq!(within, PairTracker::new().decide(z, w, &at, o.distance), "{k}");
         }
     }
 }
@@ -195,11 +188,8 @@ fn bodies_made_to_be_taken_for_each_other_are_told_apart() {
             let mut of_eggs = PairTracker::new();
             for roof in &roofs {
                 let o = shared.closest_with(&ball, roof, &at, &QueryOptions::default().width(WIDTH));
-                assert_eq!(
-                    o,
-                    PairTracker::new().closest_with(&ball, roof, &at, &QueryOptions::default().width(WIDTH)),
-                    "{k}"
-                );
+                let cold = PairTracker::new().closest_with(&ball, roof, &at, &QueryOptions::default().width(WIDTH));
+                assert_eq!(o, cold, "{k}");
             }
             for egg in &eggs {
                 let o = of_eggs.closest_with(&ball, egg, &at, &QueryOptions::default().width(WIDTH));

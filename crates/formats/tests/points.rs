@@ -25,6 +25,18 @@ fn fault(bytes: impl AsRef<[u8]>, name: &str) -> (Option<usize>, String) {
     (error.line, text)
 }
 
+#[track_caller]
+fn is_fault((line, text): (Option<usize>, String), expected: Option<usize>, words: &str) {
+    assert_eq!((line, text.as_str()), (expected, words));
+}
+
+/// The error of a file says some words.
+#[track_caller]
+fn fault_says(bytes: impl AsRef<[u8]>, name: &str, words: &str) {
+    let (_, text) = fault(bytes, name);
+    assert!(text.contains(words), "{text}");
+}
+
 /// What was passed over, and its line.
 type Passed<'a> = (&'a str, Option<usize>);
 
@@ -84,12 +96,8 @@ fn vertices_of_a_ply_are_points() {
         is_camera(&file, format);
         assert_eq!((file.format, skipped(&file)), (PointFormat::Ply, vec![]));
         refuses(&bytes, "a.ply", None);
-        assert!(fault(&bytes[..bytes.len() - 1], "a.ply").1.contains("vertex 4 is cut"));
-        assert!(
-            fault([&bytes[..], b"\n"].concat(), "a.ply")
-                .1
-                .contains("1 bytes follow")
-        );
+        fault_says(&bytes[..bytes.len() - 1], "a.ply", "vertex 4 is cut");
+        fault_says([&bytes[..], b"\n"].concat(), "a.ply", "1 bytes follow");
     }
     let text = String::from_utf8(ply("ascii", XYZ, 5, CAMERA_TEXT.as_bytes())).expect("text");
     for bytes in encodings(&text) {
@@ -99,10 +107,10 @@ fn vertices_of_a_ply_are_points() {
     // A decimal keeps its digits, and is no infinity.
     let file = read(text.replace("5.5", "5.500000001"), "a.ply");
     assert_eq!(file.points.to_f64()[1][2], 5.500000001);
-    let (line, why) = fault(text.replace("5.5", "1e400"), "a.ply");
-    assert_eq!(
-        (line, why.as_str()),
-        (Some(10), "vertex 2 has an invalid number: \"1e400\"")
+    is_fault(
+        fault(text.replace("5.5", "1e400"), "a.ply"),
+        Some(10),
+        "vertex 2 has an invalid number: \"1e400\"",
     );
 }
 
@@ -169,7 +177,7 @@ fn files_without_points_have_their_own_errors() {
             assert!(line.is_none() && why.contains(expected), "{why}");
         }
     }
-    assert!(fault("1 2 3\n", "a.obj").1.contains("unknown file extension"));
+    fault_says("1 2 3\n", "a.obj", "unknown file extension");
     assert_eq!(
         fault(ply("ascii", XYZ, 0, b""), "a.ply").1,
         "the file contains no point"
@@ -358,7 +366,7 @@ fn a_fault_of_a_pcd_is_named_with_its_line() {
         }
     }
     let integers = PCD_HEADER.replace("TYPE F F F", "TYPE I F F");
-    assert!(fault(pcd(&integers, PCD[2]), "a.pcd").1.contains("compressed integers"));
+    fault_says(pcd(&integers, PCD[2]), "a.pcd", "compressed integers");
     let half = PCD_HEADER.replace("SIZE 4 4 4", "SIZE 2 4 4");
     let data: Vec<u8> = [b"binary\n".to_vec(), vec![0; 60]].concat();
     assert_eq!(
@@ -384,15 +392,15 @@ fn a_fault_of_a_pcd_is_named_with_its_line() {
             }
         }
     }
-    let (line, why) = fault(text.clone() + "1 2 3\n", "a.pcd");
-    assert_eq!(
-        (line, why.as_str()),
-        (Some(17), "line follows the last point: \"1 2 3\"")
+    is_fault(
+        fault(text.clone() + "1 2 3\n", "a.pcd"),
+        Some(17),
+        "line follows the last point: \"1 2 3\"",
     );
-    let (line, why) = fault(text.replace("1.0 2.0 -3.5\n", ""), "a.pcd");
-    assert_eq!(
-        (line, why.as_str()),
-        (Some(15), "point 5 is missing at the end of the file")
+    is_fault(
+        fault(text.replace("1.0 2.0 -3.5\n", ""), "a.pcd"),
+        Some(15),
+        "point 5 is missing at the end of the file",
     );
 }
 
@@ -417,23 +425,15 @@ fn compressed_data_that_points_nowhere_is_an_error() {
         &[0xc0, 0],
         &[],
     ] {
-        assert!(
-            fault(data(bad, 12), "a.pcd")
-                .1
-                .contains("compressed data is invalid at byte ")
-        );
+        fault_says(data(bad, 12), "a.pcd", "compressed data is invalid at byte ");
     }
-    assert!(
-        fault(data(&good, 13), "a.pcd")
-            .1
-            .contains("states 13 bytes (expected 12")
-    );
+    fault_says(data(&good, 13), "a.pcd", "states 13 bytes (expected 12");
     let many = header
         .replace("WIDTH 1\n", "WIDTH 300000000\n")
         .replace("POINTS 1", "POINTS 300000000");
     let sizes = [7u32.to_le_bytes(), 3_600_000_000u32.to_le_bytes()].concat();
     let bytes = pcd(&many, &[b"binary_compressed\n", &sizes[..], &good].concat());
-    assert!(fault(bytes, "a.pcd").1.contains("invalid at byte"));
+    fault_says(bytes, "a.pcd", "invalid at byte");
 }
 
 #[test]
@@ -637,7 +637,7 @@ fn arrays_that_do_not_fit_are_errors() {
     for cut in 0..bytes.len() {
         assert!(PointFile::parse(&bytes[..cut], "a.npy").is_err(), "{cut}");
     }
-    assert!(fault([&bytes[..], &bytes].concat(), "a.npy").1.contains("bytes follow"));
+    fault_says([&bytes[..], &bytes].concat(), "a.npy", "bytes follow");
     for [old, new, expected] in cases("faults of an array") {
         assert!(good.contains(&old));
         let (line, why) = fault(npy(2, &good.replacen(&old, &new, 1), &data), "a.npy");
@@ -647,14 +647,10 @@ fn arrays_that_do_not_fit_are_errors() {
         let why = fault(npy(2, &deep.repeat(10_000), &data), "a.npy").1;
         assert!(why.contains("brackets") || why.contains("expression"), "{why}");
     }
-    assert!(fault(npy(4, &good, &data), "a.npy").1.contains("unknown version: 4"));
+    fault_says(npy(4, &good, &data), "a.npy", "unknown version: 4");
     // Points in columns, not in rows.
     let columns = header("'<f4'", false, "(3, 65)");
-    assert!(
-        fault(npy(1, &columns, &[0; 780]), "a.npy")
-            .1
-            .contains("3 to 64 numbers per point")
-    );
+    fault_says(npy(1, &columns, &[0; 780]), "a.npy", "3 to 64 numbers per point");
     // No points.
     for shape in ["(0, 3)", "(5, 0, 3)"] {
         let none = header("'<f4'", false, shape);

@@ -190,10 +190,8 @@ fn hulls_keep_what_each_pair_must_keep() {
         checker.cell_mut().set_margin(0.01).expect("a margin");
         checker.cell_mut().pad(tool, 0.15).expect("the tool");
         checker.cell_mut().pad("tent", 0.05).expect("the tent");
-        checker
-            .cell_mut()
-            .set_pair_margin("angle", "2", Some(0.4))
-            .expect("a pair");
+        let pair = checker.cell_mut().set_pair_margin("angle", "2", Some(0.4));
+        pair.expect("a pair");
         // The least distance of a pair by the meshes alone, less what it must keep.
         let excess = |checker: &Checker<RigidSpace>, q: &[f64]| {
             let cell = checker.cell();
