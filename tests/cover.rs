@@ -68,11 +68,8 @@ fn check_mesh(soup: &Soup, count: usize, rng: &mut Rng, told: &str) -> [f64; 2] 
     check_gap(&geometry, &outer, rng, &told);
     if !is_solid {
         let kind = GeometryKind::Mesh;
-        assert_eq!(
-            cover_inside(&geometry, count),
-            Err(CoverError::NoInside { kind }),
-            "{told}"
-        );
+        let found = cover_inside(&geometry, count);
+        assert_eq!(found, Err(CoverError::NoInside { kind }), "{told}");
         return [outer.gap / soup.radius(), f64::NAN];
     }
     let inner = cover_inside(&geometry, count).expect("a cover");
@@ -301,10 +298,8 @@ fn a_gap_is_reached_or_an_error_says_how_far() {
 fn parameters_and_bodies_without_a_cover_are_named() {
     let die = Shape::cuboid(Vector3::repeat(1.0)).expect("a shape");
     for balls in [0, BALLS_MAX + 1] {
-        assert_eq!(
-            cover_outside(&die, CoverGoal::Balls(balls)),
-            Err(CoverError::Balls { balls })
-        );
+        let found = cover_outside(&die, CoverGoal::Balls(balls));
+        assert_eq!(found, Err(CoverError::Balls { balls }));
         assert_eq!(cover_inside(&die, balls), Err(CoverError::Balls { balls }));
     }
     for gap in [0.0, -1.0, f64::NAN, f64::INFINITY] {

@@ -259,10 +259,8 @@ fn judge(seed: u64, count: usize) {
         let (on_a, on_b) = (found.point_on_a, pose_of(&pose) * found.point_on_b);
         let apart = on_b - on_a - found.normal.into_inner() * found.distance;
         assert!(apart.norm() <= (1e-12) * size, "{told}");
-        assert!(
-            (space.normal().dot(&on_a.coords) - space.offset()).abs() <= 1e-13 * size,
-            "{told}"
-        );
+        let off = (space.normal().dot(&on_a.coords) - space.offset()).abs();
+        assert!(off <= 1e-13 * size, "{told}");
         assert!((found.normal.norm() - 1.0).abs() < 1e-14, "{told}");
 
         // Both orders and a tracker that has seen another pose.
@@ -504,10 +502,8 @@ fn half_spaces_overlap_unless_their_normals_are_opposite() {
         assert!((found.distance - 3.0).abs() < 1e-14, "{found:?}");
     }
     let tilted = RelativePose::from_isometry(&Isometry3::rotation(Vector3::x() * 1e-12)).unwrap();
-    assert_eq!(
-        tracker.closest(&floor, &ceiling, &tilted).state,
-        ContactState::Overlapping
-    );
+    let answer = tracker.closest(&floor, &ceiling, &tilted).state;
+    assert_eq!(answer, ContactState::Overlapping);
     assert!(
         tracker
             .contacts(&floor, &wall, &still, &ManifoldOptions::default().prediction(1.0))
@@ -642,10 +638,8 @@ fn bodies_at_rest_stand_on_their_contacts() {
                     "{told}"
                 );
                 let on_b = pose_of(&at) * point.point_on_b;
-                assert!(
-                    (on_b - point.point_on_a - Vector3::z() * point.separation).norm() < 1e-12,
-                    "{told}"
-                );
+                let off = (on_b - point.point_on_a - Vector3::z() * point.separation).norm();
+                assert!(off < 1e-12, "{told}");
             }
             // Around the centre: no gap of half a turn.
             if *count == 4 {

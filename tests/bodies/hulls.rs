@@ -76,11 +76,8 @@ fn check(points: &[Point3<f64>], name: &str) -> ConvexPolyhedron {
         .map(Vec::len)
         .iter()
         .sum::<usize>();
-    assert_eq!(
-        dropped + report.duplicates.len() + report.vertices,
-        points.len(),
-        "{name}: {report}"
-    );
+    let found = dropped + report.duplicates.len() + report.vertices;
+    assert_eq!(found, points.len(), "{name}: {report}");
     assert!(points.iter().all(|p| body.contains(p)), "{name}");
     body
 }
@@ -323,14 +320,10 @@ fn refused_points_are_named() {
     };
     let o = [0.0; 3];
     assert_eq!(build(&[o, o, o]), BuildError::TooFewPoints { count: 3, needed: 4 });
-    assert_eq!(
-        build(&[o, o, [0.0, f64::NAN, 0.0], o]),
-        BuildError::NotFinite { index: 2 }
-    );
-    assert_eq!(
-        build(&[o, [f64::INFINITY, 0.0, 0.0], o, o]),
-        BuildError::NotFinite { index: 1 }
-    );
+    let answer = build(&[o, o, [0.0, f64::NAN, 0.0], o]);
+    assert_eq!(answer, BuildError::NotFinite { index: 2 });
+    let found = build(&[o, [f64::INFINITY, 0.0, 0.0], o, o]);
+    assert_eq!(found, BuildError::NotFinite { index: 1 });
     assert_eq!(
         build(&[o, o, o, o]),
         BuildError::Flat {

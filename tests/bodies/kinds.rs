@@ -99,10 +99,8 @@ fn faults_of_faces_are_named() {
     };
     assert_eq!(with(2, &[0, 1, 8]), BuildError::IndexOutOfRange { face: 2, index: 8 });
     assert_eq!(with(3, &[2, 6]), BuildError::FaceTooSmall { face: 3 });
-    assert_eq!(
-        with(1, &[4, 5, 7, 5]),
-        BuildError::RepeatedVertex { face: 1, vertex: 5 }
-    );
+    let found = with(1, &[4, 5, 7, 5]);
+    assert_eq!(found, BuildError::RepeatedVertex { face: 1, vertex: 5 });
     assert_eq!(with(4, &[2, 6, 4, 0]), BuildError::WrongOrientation { face: 4 });
     assert!(matches!(
         with(0, &[0, 2, 3]),
@@ -268,16 +266,12 @@ fn solids_have_their_features_and_sizes() {
             assert!(radii_agree(&body, r, tolerance), "radius {r} of {:?}", features(&body));
         }
     }
-    assert_eq!(
-        features(&solids::cuboid(Vector3::new(1.0, 2.0, 3.0)).unwrap()),
-        (8, 12, 6)
-    );
+    let answer = features(&solids::cuboid(Vector3::new(1.0, 2.0, 3.0)).unwrap());
+    assert_eq!(answer, (8, 12, 6));
     assert_eq!(features(&solids::prism(7, 2.0, 1.0).unwrap()), (14, 21, 9));
     assert_eq!(features(&solids::cone(100, 1.0, 1.0).unwrap()), (101, 200, 101));
-    assert_eq!(
-        solids::random_hull(50, Vector3::repeat(1.0), 3).unwrap().vertex_count(),
-        50
-    );
+    let found = solids::random_hull(50, Vector3::repeat(1.0), 3).unwrap().vertex_count();
+    assert_eq!(found, 50);
     let a = solids::random_hull(9, Vector3::repeat(1.0), 4);
     let b = solids::random_hull(9, Vector3::repeat(1.0), 5);
     assert_ne!(a.unwrap(), b.unwrap());

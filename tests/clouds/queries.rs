@@ -134,10 +134,8 @@ fn clouds_of_many_leaves_agree_with_brute_force() {
             let gaps = a.iter().flat_map(|p| b.iter().map(move |q| (p - at * q).norm() - 0.02));
             let least = gaps.fold(f64::INFINITY, f64::min).max(0.0);
             let found = warm.closest(&of_a, &of_b, &pose);
-            assert!(
-                (found.distance.max(0.0) - least).abs() < 1e-13,
-                "seed {seed}: {found:?} for {least:e}"
-            );
+            let off = (found.distance.max(0.0) - least).abs();
+            assert!(off < 1e-13, "seed {seed}: {found:?} for {least:e}");
             let [i, j] = found.locations.map(|at| at.subshape as usize);
             assert!(((a[i] - at * b[j]).norm() - 0.02).max(0.0) - least < 1e-13);
             assert!(warm.within(&of_a, &of_b, &pose, least + 1e-9));
@@ -168,16 +166,12 @@ fn elements_inside_of_a_mesh_overlap_it() {
             ContactState::Separated
         };
         assert_eq!(found.state, expected);
-        assert_eq!(
-            PairTracker::new().intersects(&cloud, &sphere, &pose.swapped()),
-            is_inside
-        );
+        let answer = PairTracker::new().intersects(&cloud, &sphere, &pose.swapped());
+        assert_eq!(answer, is_inside);
         let gap = if is_inside { 0.0 } else { 2.0 - 0.1 };
         let mut tracker = PairTracker::new();
-        assert_eq!(
-            tracker.within(&cloud, &sphere, &pose.swapped(), f64::max(gap - 0.2, 0.0)),
-            is_inside
-        );
+        let answer = tracker.within(&cloud, &sphere, &pose.swapped(), f64::max(gap - 0.2, 0.0));
+        assert_eq!(answer, is_inside);
         assert!(tracker.within(&cloud, &sphere, &pose.swapped(), gap + 0.2));
         let distance = tracker.distance(&sphere, &cloud, &pose);
         assert!(

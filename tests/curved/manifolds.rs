@@ -281,10 +281,8 @@ fn rounded_polyhedra_have_the_contacts_of_their_cores() {
         for (p, q) in manifold.points().iter().zip(of_cores.points()) {
             assert_eq!((p.id, p.features), (q.id, q.features));
             assert!((p.separation - (q.separation - 0.375)).abs() < 1e-12, "{p:?} {q:?}");
-            assert!(
-                (p.point_on_a - (q.point_on_a + *n * radii[0])).norm() < 1e-5,
-                "{p:?} {q:?}"
-            );
+            let off = (p.point_on_a - (q.point_on_a + *n * radii[0])).norm();
+            assert!(off < 1e-5, "{p:?} {q:?}");
             let between = place.isometry() * p.point_on_b - p.point_on_a;
             assert!((between.dot(&n) - p.separation).abs() < 1e-12, "{p:?}");
             seen += 1;

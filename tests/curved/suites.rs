@@ -269,15 +269,12 @@ fn scales_are_no_matter() {
                     q.lower <= q.distance && q.distance <= q.upper && q.upper.is_finite(),
                     "{s} {q:?}"
                 );
-                assert_eq!(
-                    q.state,
-                    if s < 1.0 {
-                        ContactState::Separated
-                    } else {
-                        ContactState::Overlapping
-                    },
-                    "{s} {q:?}"
-                );
+                let expected = if s < 1.0 {
+                    ContactState::Separated
+                } else {
+                    ContactState::Overlapping
+                };
+                assert_eq!(q.state, expected, "{s} {q:?}");
             }
             let q = closest(&shape(1.0), &solid(1.0), &far);
             assert!(q.lower <= q.upper && q.upper.is_finite(), "{s} {q:?}");

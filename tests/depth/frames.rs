@@ -46,10 +46,8 @@ fn motions_through_contact_are_continuous() {
                 };
                 let most = moved(&before.a, &frame.a, ra) + moved(&before.b, &frame.b, rb);
                 let slack = 1e-14 * support::size(&a, &b, &frame);
-                assert!(
-                    (o.distance - old.distance).abs() <= most + slack,
-                    "{old:?}\n{o:?}\n{frame:?} {most:e}"
-                );
+                let off = (o.distance - old.distance).abs();
+                assert!(off <= most + slack, "{old:?}\n{o:?}\n{frame:?} {most:e}");
             }
             last = Some((frame, o));
         }

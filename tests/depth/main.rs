@@ -62,10 +62,8 @@ fn judge_both(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &
     let there = judge(a, b, frame, what);
     let back = judge(b, a, &frame.swapped(), what);
     let slack = 1e-14 * support::size(a, b, frame);
-    assert!(
-        (there.distance - back.distance).abs() <= slack,
-        "{what}: {there:?} {back:?}"
-    );
+    let off = (there.distance - back.distance).abs();
+    assert!(off <= slack, "{what}: {there:?} {back:?}");
     there.distance
 }
 
@@ -113,11 +111,8 @@ fn hard_poses_of_small_bodies_are_exact() {
             }
             let d = judge_both(&body_a, &body_b, &frame, &a.name);
             let slack = 1e-14 * support::size(&body_a, &body_b, &frame);
-            assert!(
-                (d - truth.distance).abs() <= slack,
-                "{d:e}, not {:e}: {a:?} {b:?} {frame:?}",
-                truth.distance
-            );
+            let off = (d - truth.distance).abs();
+            assert!(off <= slack, "{d:e}, not {:e}: {a:?} {b:?} {frame:?}", truth.distance);
             judged += 1;
         }
     }

@@ -110,11 +110,8 @@ fn nearest_facets_are_the_exact_depth() {
             for (k, o) in answers.iter().enumerate() {
                 support::assert_right(o, &truth, &format!("{k} {frame:?} {sa:?} {sb:?}"));
                 let slack = 1e-14 * size;
-                assert!(
-                    (o.distance - truth.distance).abs() <= slack,
-                    "{k} {o:?} {}",
-                    truth.distance
-                );
+                let off = (o.distance - truth.distance).abs();
+                assert!(off <= slack, "{k} {o:?} {}", truth.distance);
                 assert!(o.upper - o.lower <= 1e-13 * size, "{k} {o:?}");
                 if o.state == ContactState::Overlapping {
                     let is_surface = o.solver == Solver::Polytope;

@@ -180,10 +180,8 @@ fn bodies_and_poses_come_back() {
     round_trip(&pose);
     let (a2, b2) = (round_trip(&a), round_trip(&b));
     assert_eq!(a2.report(), a.report());
-    assert_eq!(
-        Tracker::new().closest(&a2, &b2, &pose),
-        Tracker::new().closest(&a, &b, &pose)
-    );
+    let found = Tracker::new().closest(&a2, &b2, &pose);
+    assert_eq!(found, Tracker::new().closest(&a, &b, &pose));
     round_trip(a.report());
 }
 
@@ -336,10 +334,8 @@ fn surfaces_come_back() {
         assert_eq!(back.patches(), surface.patches());
         let mut tracker = PairTracker::new();
         let o = tracker.closest_with(&surface, &surface, &pose, &QueryOptions::default().width(1e-9));
-        assert_eq!(
-            o,
-            PairTracker::new().closest_with(&back, &back, &pose, &QueryOptions::default().width(1e-9))
-        );
+        let expected = PairTracker::new().closest_with(&back, &back, &pose, &QueryOptions::default().width(1e-9));
+        assert_eq!(o, expected);
         round_trip(&o);
         let ball = Shape::ball(0.5).expect("a ball");
         let mut tracker = PairTracker::new();

@@ -82,12 +82,8 @@ impl Case<'_> {
         let cold = tracker.cast_from_contact([a, b], x, y, 0.0..1.0, &self.options, None);
         let cold = cold.unwrap_or_else(|e| panic!("{}: {e}", self.name));
         let warm = tracker.cast_from_contact([a, b], x, y, 0.0..1.0, &self.options, None);
-        assert_eq!(
-            kind(&warm.expect("as before").impact),
-            kind(&cold.impact),
-            "{}",
-            self.name
-        );
+        let found = kind(&warm.expect("as before").impact);
+        assert_eq!(found, kind(&cold.impact), "{}", self.name);
         self.judge(&cold);
         cold
     }

@@ -111,10 +111,8 @@ fn holds<A: Motion, B: Motion>(
         let g = at(t);
         assert!(g > distance, "{g} at {t} of {certificate:?}");
         let by_supports = certificate.gap(&mut pair, ma, mb, t).expect("a plane");
-        assert!(
-            (g - by_supports).abs() < 1e-12 * (1.0 + radius(a) + radius(b) + 10.0),
-            "{g} {by_supports}"
-        );
+        let off = (g - by_supports).abs();
+        assert!(off < 1e-12 * (1.0 + radius(a) + radius(b) + 10.0), "{g} {by_supports}");
     }
     let later = |k: u32| until + 0.01 * f64::from(k) * (until - from);
     let end = (0..400).map(later).find(|t| *t >= 1.0 || at(*t) <= distance);

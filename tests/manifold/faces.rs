@@ -50,10 +50,8 @@ fn faces_on_faces_are_spanned() {
             continue;
         };
         if corners <= 8 {
-            assert!(
-                (points - shared).abs() <= 1e-12,
-                "{points} of {shared}: {m:?} {frame:?}"
-            );
+            let off = (points - shared).abs();
+            assert!(off <= 1e-12, "{points} of {shared}: {m:?} {frame:?}");
             whole += 1;
         } else {
             assert!(points >= 0.7 * shared, "{points} of {shared}");

@@ -265,11 +265,8 @@ fn bent_meshes_beside_other_kinds_are_as_meshes_built_anew() {
                     let each = left.iter().chain([&fresh_body]).map(ask);
                     let truth = each.min_by(|p, q| p.distance.total_cmp(&q.distance)).unwrap();
                     let is_apart = truth.state == ContactState::Separated;
-                    assert_eq!(
-                        found.state == ContactState::Separated,
-                        is_apart,
-                        "{name} {k} {frame} {found:?} {truth:?}"
-                    );
+                    let answer = found.state == ContactState::Separated;
+                    assert_eq!(answer, is_apart, "{name} {k} {frame} {found:?} {truth:?}");
                     assert!(
                         !left.is_empty() || found.state == truth.state,
                         "{name} {k} {frame} {found:?} {truth:?}"
@@ -364,29 +361,23 @@ fn wrong_vertices_are_refused_by_index_and_change_nothing() {
         let mut wrong = good.clone();
         wrong[7 + k].y = bad;
         assert_eq!(m.set_vertices(&wrong), Err(VertexError::NotFinite { index: 7 + k }));
-        assert_eq!(
-            m.set_vertices_from(5, &wrong[5..20]),
-            Err(VertexError::NotFinite { index: 7 + k })
-        );
+        let found = m.set_vertices_from(5, &wrong[5..20]);
+        assert_eq!(found, Err(VertexError::NotFinite { index: 7 + k }));
     }
     let too_few = m.set_vertices(&good[1..]);
-    assert_eq!(
-        too_few,
-        Err(VertexError::Count {
-            given: count - 1,
-            count
-        })
-    );
+    let truth = Err(VertexError::Count {
+        given: count - 1,
+        count,
+    });
+    assert_eq!(too_few, truth);
     let beyond = m.set_vertices_from(count - 1, &good[..2]);
     assert_eq!(beyond, Err(VertexError::Missing { index: count, count }));
     let beyond = m.set_vertices_from(usize::MAX, &good[..2]);
-    assert_eq!(
-        beyond,
-        Err(VertexError::Missing {
-            index: usize::MAX,
-            count
-        })
-    );
+    let expected = Err(VertexError::Missing {
+        index: usize::MAX,
+        count,
+    });
+    assert_eq!(beyond, expected);
     let at_once = vec![Point3::new(1.0, 2.0, 3.0); count];
     assert!(matches!(m.set_vertices(&at_once), Err(VertexError::OutOfRange { .. })));
     let far: Vec<_> = good.iter().map(|p| p * 1e110).collect();

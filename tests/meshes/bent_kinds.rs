@@ -118,10 +118,8 @@ impl Kept {
                 tracker.lower_bound(a, b, &at) <= distance.max(found.upper) + 1e-12,
                 "{what}"
             );
-            assert!(
-                (tracker.distance(a, b, &at).value.max(0.0) - distance).abs() < 1e-9,
-                "{what}"
-            );
+            let off = (tracker.distance(a, b, &at).value.max(0.0) - distance).abs();
+            assert!(off < 1e-9, "{what}");
             tracker.check(a, b, &at).unwrap();
         }
         meets

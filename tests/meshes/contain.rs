@@ -74,10 +74,8 @@ fn linked_rings_are_apart() {
         let angle = 0.05 * f64::from(k);
         let q = truth::pose::quat_mul(quat([0.0, 0.0, 1.0], 0.1 * angle.sin()), quat([1.0, 0.0, 0.0], 1.5));
         let pose = Pose::new(q, [1.0 + 0.2 * angle.cos(), 0.0, 0.1 * angle.sin()]);
-        assert_eq!(
-            super::judge(&mut tracker, (&ring, &ring), (&m, &m), &pose),
-            ContactState::Separated
-        );
+        let found = super::judge(&mut tracker, (&ring, &ring), (&m, &m), &pose);
+        assert_eq!(found, ContactState::Separated);
     }
 }
 

@@ -179,10 +179,8 @@ fn far_and_unequal_bodies_are_answered() {
             let found = tracker.closest(&m, &n, &relative(&pose));
             if far < 1e100 {
                 let truth = brute::distance(&a, &b, &pose).0;
-                assert!(
-                    (found.distance - truth).abs() < 1e-14 * size(&a, &b, &pose),
-                    "{grow} {far} {found:?} {truth}"
-                );
+                let off = (found.distance - truth).abs();
+                assert!(off < 1e-14 * size(&a, &b, &pose), "{grow} {far} {found:?} {truth}");
             }
             assert_eq!(found.state, ContactState::Separated);
         }
@@ -202,17 +200,13 @@ fn what_is_no_mesh_is_refused_and_what_is_dropped_is_named() {
         p(2.0, 0.0),
         p(f64::NAN, 0.0),
     ];
-    assert_eq!(
-        Mesh::new(&points, &[[0, 1, 2]]).unwrap_err(),
-        MeshError::NotFinite { index: 5 }
-    );
+    let answer = Mesh::new(&points, &[[0, 1, 2]]).unwrap_err();
+    assert_eq!(answer, MeshError::NotFinite { index: 5 });
     let points = &points[..5];
     let missing = MeshError::IndexOutOfRange { triangle: 1, index: 7 };
     assert_eq!(Mesh::new(points, &[[0, 1, 2], [0, 7, 1]]).unwrap_err(), missing);
-    assert_eq!(
-        Mesh::new(points, &[[0, 1, 3], [0, 1, 4]]).unwrap_err(),
-        MeshError::Empty { given: 2 }
-    );
+    let found = Mesh::new(points, &[[0, 1, 3], [0, 1, 4]]).unwrap_err();
+    assert_eq!(found, MeshError::Empty { given: 2 });
     let kept = Mesh::new(points, &[[0, 1, 2], [0, 1, 4], [2, 0, 3], [0, 0, 2]]).unwrap();
     let report = kept.report();
     assert_eq!(

@@ -77,11 +77,8 @@ impl Tally {
         ] {
             let is_within = d >= 0.0 && (meets || square <= exact(d) * exact(d));
             if d.is_finite() {
-                assert_eq!(
-                    tracker.within(m, n, &at, d),
-                    is_within,
-                    "{what}: {d} {found:?} {square}"
-                );
+                let answer = tracker.within(m, n, &at, d);
+                assert_eq!(answer, is_within, "{what}: {d} {found:?} {square}");
                 self.within += 1;
             }
         }

@@ -78,10 +78,8 @@ fn work_does_not_grow_with_the_number_of_sides() {
             for k in 0..20 {
                 let mut cold = PairTracker::new();
                 let at = relative(&crossing(k, degrees, 0.05));
-                assert_eq!(
-                    cold.closest(&shaft, &shaft, &at).state,
-                    tracker.closest(&shaft, &shaft, &at).state
-                );
+                let found = cold.closest(&shaft, &shaft, &at).state;
+                assert_eq!(found, tracker.closest(&shaft, &shaft, &at).state);
                 worst = worst.max(cold.work().trees.bounds);
             }
             assert!(

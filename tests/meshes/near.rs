@@ -139,11 +139,8 @@ fn bodies_in_one_place_overlap() {
         }
         // Rotated by no more than rounding.
         let turned = Pose::new(quat([0.6, 0.0, 0.8], 1e-15), [0.0; 3]);
-        assert_eq!(
-            classes(&m, &m, &relative(&turned)),
-            [ContactState::Overlapping; 4],
-            "{k}"
-        );
+        let answer = classes(&m, &m, &relative(&turned));
+        assert_eq!(answer, [ContactState::Overlapping; 4], "{k}");
         // A small copy of the body at the same pose.
         let inner = mesh(&soup.clone().map(|p| scale(p, 0.5)));
         let found = PairTracker::new().closest(&m, &inner, &at([0.0; 3]));
@@ -169,11 +166,8 @@ fn a_part_deep_inside_decides_while_another_touches() {
         } else {
             deep.with(&on)
         });
-        assert_eq!(
-            classes(&block, &both, &at([0.0; 3])),
-            [ContactState::Overlapping; 4],
-            "{k}"
-        );
+        let answer = classes(&block, &both, &at([0.0; 3]));
+        assert_eq!(answer, [ContactState::Overlapping; 4], "{k}");
         // Without the inner component the bodies touch.
         assert_eq!(classes(&block, &mesh(&on), &at([0.0; 3])), [ContactState::Touching; 4]);
     }
@@ -188,10 +182,8 @@ fn a_part_deep_inside_decides_while_another_touches() {
     let caves = mesh(&slab.with(&hole(-1.0)).with(&hole(1.0)));
     let pins = mesh(&hole(-1.0).flipped().with(&hole(1.0).flipped()));
     assert_eq!(classes(&caves, &pins, &at([0.0; 3])), [ContactState::Touching; 4]);
-    assert_eq!(
-        classes(&caves, &pins, &at([0.125, 0.0, 0.0])),
-        [ContactState::Overlapping; 4]
-    );
+    let found = classes(&caves, &pins, &at([0.125, 0.0, 0.0]));
+    assert_eq!(found, [ContactState::Overlapping; 4]);
 }
 
 #[test]

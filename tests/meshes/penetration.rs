@@ -63,10 +63,8 @@ fn convex_meshes_have_the_depth_of_their_bodies_between_the_bounds() {
 /// do.
 fn check(found: &PenetrationBounds, pose: &Pose, rng: &mut Rng, mut state: impl FnMut(&RelativePose) -> ContactState) {
     assert!(0.0 <= found.lower && found.lower <= found.upper, "{found:?}");
-    assert!(
-        (found.shift.norm() - found.upper).abs() <= 1e-12 * found.upper,
-        "{found:?}"
-    );
+    let off = (found.shift.norm() - found.upper).abs();
+    assert!(off <= 1e-12 * found.upper, "{found:?}");
     assert_eq!(state(&shifted(pose, found.shift)), ContactState::Separated, "{found:?}");
     for _ in 0..20 {
         let by = Vector3::from(rng.unit()) * (found.lower * 0.999);

@@ -68,12 +68,8 @@ fn ask(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: (&Pose, &Pos
     let o = Tracker::new().closest_exact(a, b, &pose);
     judge(c, &o, unit, true, &format!("{what}, exactly"));
     let mut pair = Tracker::new();
-    assert_eq!(
-        pair.intersects(a, b, &pose),
-        c.state != truth::ContactState::Separated,
-        "{} {what}",
-        c.name
-    );
+    let found = pair.intersects(a, b, &pose);
+    assert_eq!(found, c.state != truth::ContactState::Separated, "{} {what}", c.name);
 }
 
 /// Returns at most `most` of the pairs, spread over all.

@@ -237,10 +237,8 @@ fn contacts_of_any_two_geometries() {
         "contacts cannot be computed for a polyhedron and a Bézier surface"
     );
     let refused = tracker.manifold(&ground, &die, &at, &options, &mut Manifold::new());
-    assert_eq!(
-        refused.unwrap_err().to_string(),
-        "manifold cannot be computed for a mesh and a polyhedron"
-    );
+    let answer = refused.unwrap_err().to_string();
+    assert_eq!(answer, "manifold cannot be computed for a mesh and a polyhedron");
     assert_eq!(tracker.penetration(&floor, &shell, &at), None);
     assert!(tracker.check(&floor, &die, &at).is_ok() && tracker.work().trees.queries > 0);
     tracker.reset();

@@ -82,10 +82,8 @@ fn gradients_are_derivatives() {
             (rate - ahead).abs() < 2e-3 && (rate - behind).abs() < 2e-3,
             "{rate} {ahead} {behind} {o:?}"
         );
-        assert!(
-            (rate - (ahead + behind) / 2.0).abs() < 1e-4,
-            "{rate} {ahead} {behind} {o:?}"
-        );
+        let off = (rate - (ahead + behind) / 2.0).abs();
+        assert!(off < 1e-4, "{rate} {ahead} {behind} {o:?}");
         compared[o.state as usize] += 1;
     }
     assert!(

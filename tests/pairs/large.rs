@@ -161,11 +161,8 @@ fn assert_proven(a: &ConvexPolyhedron, b: &ConvexPolyhedron, f: &Frame, o: &Outc
     let between = (rb * o.point_on_b - ra * o.point_on_a).norm();
     let noise = 64.0 * f64::EPSILON * size;
     assert!(o.lower <= low - top + noise, "{o:?}: {} proven", low - top);
-    assert!(
-        (between - (low - top)).abs() <= noise,
-        "{o:?}: {between} and {}",
-        low - top
-    );
+    let off = (between - (low - top)).abs();
+    assert!(off <= noise, "{o:?}: {between} and {}", low - top);
     assert!((between - o.distance).abs() <= noise, "{o:?}: {between}");
     assert!(o.upper - o.lower <= 1e-13 * size, "{o:?}");
     assert_eq!(Tracker::new().closest(a, b, &pose).state, o.state);
@@ -211,10 +208,8 @@ fn answers_on_large_features_agree_with_exact_ones() {
                 let o = Tracker::new().closest(&a, &b, &relative(&f));
                 let truth = Tracker::new().closest_exact(&a, &b, &relative(&f));
                 assert_eq!(o.state, truth.state, "{x} and {y} at {gap}");
-                assert!(
-                    (o.distance - truth.distance).abs() <= 5e-14,
-                    "{x} and {y}: {o:?} {truth:?}"
-                );
+                let off = (o.distance - truth.distance).abs();
+                assert!(off <= 5e-14, "{x} and {y}: {o:?} {truth:?}");
                 assert!(
                     o.lower <= truth.upper && truth.lower <= o.upper,
                     "{x} and {y}: {o:?} {truth:?}"

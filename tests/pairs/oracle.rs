@@ -61,11 +61,8 @@ impl Pair {
             bound::outside_by(on_a, (&self.shapes[0]).into()).max(bound::outside_by(on_b, (&self.shapes[1]).into()));
         assert!(outside <= allowed, "witness {outside:e} outside, {}", told());
         let apart = bound::witness_distance(on_a, &frame.a, on_b, &frame.b);
-        assert!(
-            (apart - s.abs()).abs() <= allowed,
-            "witnesses {apart:e} apart, {}",
-            told()
-        );
+        let off = (apart - s.abs()).abs();
+        assert!(off <= allowed, "witnesses {apart:e} apart, {}", told());
         assert!(
             (o.distance - s).abs() <= allowed && o.upper - o.lower <= 1e-13 / ERROR * allowed,
             "{}",

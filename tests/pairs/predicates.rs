@@ -40,11 +40,8 @@ fn touching_is_within_zero() {
             }
         });
         assert!(!t.intersects(&a, &b, &shifted(off)), "{off:?}");
-        assert_eq!(
-            t.closest(&a, &b, &shifted(off)).state,
-            ContactState::Separated,
-            "{off:?}"
-        );
+        let answer = t.closest(&a, &b, &shifted(off)).state;
+        assert_eq!(answer, ContactState::Separated, "{off:?}");
         let into = at.map(|x: f64| {
             if x.abs() == 1.0 {
                 x.signum() * 1.0f64.next_down()
@@ -53,11 +50,8 @@ fn touching_is_within_zero() {
             }
         });
         assert!(t.intersects(&a, &b, &shifted(into)), "{into:?}");
-        assert_eq!(
-            t.closest(&a, &b, &shifted(into)).state,
-            ContactState::Overlapping,
-            "{into:?}"
-        );
+        let found = t.closest(&a, &b, &shifted(into)).state;
+        assert_eq!(found, ContactState::Overlapping, "{into:?}");
     }
 }
 
@@ -156,11 +150,8 @@ fn containment_is_intersection_with_a_point() {
         let p: [f64; 3] = std::array::from_fn(|_| rng.range(-1.0, 1.0));
         let point = ConvexPolyhedron::point(Point3::from(p)).expect("a point");
         let held = body.contains(&Point3::from(p));
-        assert_eq!(
-            Tracker::new().intersects(&body, &point, &shifted([0.0; 3])),
-            held,
-            "{p:?}"
-        );
+        let found = Tracker::new().intersects(&body, &point, &shifted([0.0; 3]));
+        assert_eq!(found, held, "{p:?}");
         inside += usize::from(held);
     }
     assert!((300..1500).contains(&inside), "{inside}");

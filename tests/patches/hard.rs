@@ -100,14 +100,11 @@ fn a_border_that_stops_short_is_no_crossing() {
             ] {
                 assert_eq!(found == Decision::Yes, meets, "{side} {gap:e}: {found:?}");
             }
-            assert_eq!(
-                tracker
-                    .closest_with(&floor, &wall, &at, &QueryOptions::default().width(1e-9))
-                    .state
-                    == ContactState::Touching,
-                meets,
-                "{side} {gap:e}"
-            );
+            let answer = tracker
+                .closest_with(&floor, &wall, &at, &QueryOptions::default().width(1e-9))
+                .state
+                == ContactState::Touching;
+            assert_eq!(answer, meets, "{side} {gap:e}");
         }
     }
 }
@@ -415,14 +412,10 @@ fn what_is_no_surface_is_named() {
             degree: 0
         })
     );
-    assert_eq!(
-        BezierPatch::polynomial([2, 3], &p),
-        Err(SurfaceError::Count { given: 9, expected: 12 })
-    );
-    assert_eq!(
-        BezierPatch::triangular(2, &p, None),
-        Err(SurfaceError::Count { given: 9, expected: 6 })
-    );
+    let found = BezierPatch::polynomial([2, 3], &p);
+    assert_eq!(found, Err(SurfaceError::Count { given: 9, expected: 12 }));
+    let found = BezierPatch::triangular(2, &p, None);
+    assert_eq!(found, Err(SurfaceError::Count { given: 9, expected: 6 }));
     let weights = |k: usize, w: f64| {
         let mut all = vec![1.0; 9];
         all[k] = w;
@@ -431,10 +424,8 @@ fn what_is_no_surface_is_named() {
     for w in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-20] {
         assert!(matches!(weights(3, w), Err(SurfaceError::Weight { .. })), "{w}");
     }
-    assert_eq!(
-        BezierPatch::rational([2, 2], &p, &[1.0; 8]),
-        Err(SurfaceError::WeightCount { given: 8, expected: 9 })
-    );
+    let answer = BezierPatch::rational([2, 2], &p, &[1.0; 8]);
+    assert_eq!(answer, Err(SurfaceError::WeightCount { given: 8, expected: 9 }));
     assert!(matches!(BezierSurface::new(vec![]), Err(SurfaceError::Empty)));
     let knots: [&[f64]; 2] = [&[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]; 2];
     let good = Nurbs {
@@ -445,13 +436,11 @@ fn what_is_no_surface_is_named() {
     };
     assert!(BezierSurface::from_nurbs(&good).is_ok());
     let refused = |n: Nurbs| BezierSurface::from_nurbs(&n).expect_err("refused");
-    assert_eq!(
-        refused(Nurbs {
-            trimming_curves: 1,
-            ..good
-        }),
-        SurfaceError::Trimmed { curves: 1 }
-    );
+    let found = refused(Nurbs {
+        trimming_curves: 1,
+        ..good
+    });
+    assert_eq!(found, SurfaceError::Trimmed { curves: 1 });
     let late: &[f64] = &[0.0, 0.0, 0.0, 1.0, 0.5, 1.0];
     assert!(matches!(
         refused(Nurbs {

@@ -193,11 +193,8 @@ fn bodies_made_to_be_taken_for_each_other_are_told_apart() {
             }
             for egg in &eggs {
                 let o = of_eggs.closest_with(&ball, egg, &at, &QueryOptions::default().width(WIDTH));
-                assert_eq!(
-                    o,
-                    PairTracker::new().closest_with(&ball, egg, &at, &QueryOptions::default().width(WIDTH)),
-                    "{k}"
-                );
+                let expected = PairTracker::new().closest_with(&ball, egg, &at, &QueryOptions::default().width(WIDTH));
+                assert_eq!(o, expected, "{k}");
             }
         }
     }

@@ -46,10 +46,8 @@ fn judge(query: &PointQuery<'_>, size: f64, error: f64, truth: impl Fn(&Point3<f
         };
         assert!(!wrong, "{true_value}: {told}");
         // The closest point is on the surface, at the distance.
-        assert!(
-            ((found.point - p).norm() - found.distance.abs()).abs() <= 1e-9 * (size + p.coords.norm()),
-            "{told}"
-        );
+        let off = ((found.point - p).norm() - found.distance.abs()).abs();
+        assert!(off <= 1e-9 * (size + p.coords.norm()), "{told}");
         let out = (p - found.point).dot(&found.normal) - found.distance;
         assert!(out.abs() <= 1e-9 * (size + p.coords.norm()), "{told}");
     }
@@ -140,10 +138,8 @@ fn a_half_space_has_the_exact_side() {
         (1e-300, ContactState::Separated),
         (-1e-300, ContactState::Overlapping),
     ] {
-        assert_eq!(
-            query.closest_point(&Point3::new(1.0, 2.0, z)).expect("a point").state,
-            state
-        );
+        let found = query.closest_point(&Point3::new(1.0, 2.0, z)).expect("a point").state;
+        assert_eq!(found, state);
     }
 }
 

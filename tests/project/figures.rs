@@ -432,19 +432,13 @@ fn each_record_of_a_page_is_compared() {
 
 #[test]
 fn figures_are_read_as_they_are_written() {
-    assert_eq!(
-        numbers("a,8,ours-5e-3,1,230,.5 of 3e-16 +- 12"),
-        [8.0, 5e-3, 1230.0, 0.5, 3e-16, 12.0]
-    );
-    assert_eq!(
-        numbers("parry,8,0,1143198,538022,0.2241"),
-        [8.0, 0.0, 1_143_198.0, 538_022.0, 0.2241]
-    );
+    let found = numbers("a,8,ours-5e-3,1,230,.5 of 3e-16 +- 12");
+    assert_eq!(found, [8.0, 5e-3, 1230.0, 0.5, 3e-16, 12.0]);
+    let answer = numbers("parry,8,0,1143198,538022,0.2241");
+    assert_eq!(answer, [8.0, 0.0, 1_143_198.0, 538_022.0, 0.2241]);
     assert!(is_rounded("1.2", 1.249) && !is_rounded("1.2", 1.26) && is_rounded("3e-16", 3.46e-16));
     assert!(is_rounded("181,000", 181_000.3) && !is_rounded("620", 714.0));
-    assert_eq!(
-        written("x 5 to 6, y", "x {} to {}, y"),
-        Ok(vec!["5".into(), "6".into()])
-    );
+    let found = written("x 5 to 6, y", "x {} to {}, y");
+    assert_eq!(found, Ok(vec!["5".into(), "6".into()]));
     assert!(written("x 5 to 6", "x {} and {}").is_err());
 }

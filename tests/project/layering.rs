@@ -552,10 +552,8 @@ fn uses_of_files_are_read() {
     ];
     assert_eq!(uses("gltf/mod"), told(&[&common[..], &of_mod].concat()));
     let lines = ["error text", "gltf: json mod", "load"];
-    assert_eq!(
-        files_in_order(&lines),
-        ["error", "text", "gltf/json", "gltf/mod", "load"]
-    );
+    let found = files_in_order(&lines);
+    assert_eq!(found, ["error", "text", "gltf/json", "gltf/mod", "load"]);
 }
 
 #[test]

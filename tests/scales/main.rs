@@ -98,10 +98,8 @@ fn extents_from_1e_minus_100_to_1e100() {
             for f in frames.iter().map(|f| f.scaled(by)) {
                 let mut t = Tracker::new();
                 let o = t.closest(&body_a, &body_b, &relative(&f));
-                assert_eq!(
-                    t.intersects(&body_a, &body_b, &relative(&f)),
-                    o.state != ContactState::Separated
-                );
+                let found = t.intersects(&body_a, &body_b, &relative(&f));
+                assert_eq!(found, o.state != ContactState::Separated);
                 if o.state == ContactState::Separated {
                     proved(&a, &b, &f, &o, by);
                     separated += 1;
@@ -259,10 +257,8 @@ fn points_in_and_beside_bodies_of_any_size() {
                 for o in ask(&octahedron, &point, &support::shifted(t)) {
                     let size = by * (1.0 + at) + offset * 2f64.powi(-49);
                     assert!(o.upper - o.lower <= 1e-13 * size, "{by:e} {place:?} {x}: {o:?}");
-                    assert!(
-                        (o.distance - truth).abs() <= 1e-14 * size,
-                        "{by:e} {place:?} {x}: {o:?}"
-                    );
+                    let off = (o.distance - truth).abs();
+                    assert!(off <= 1e-14 * size, "{by:e} {place:?} {x}: {o:?}");
                     // Away from its origin, a point touches up to the rounding of its position.
                     let state = match at.total_cmp(&1.0) {
                         Ordering::Less => ContactState::Overlapping,

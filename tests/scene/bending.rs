@@ -64,11 +64,8 @@ fn scenes_say_of_bent_meshes_what_pairs_say() {
             let fresh = cold
                 .contacts(a, b, &pose, &ManifoldOptions::default().prediction(0.05))
                 .unwrap();
-            assert_eq!(
-                points,
-                fresh.iter().map(|g| g.contacts.len()).sum::<usize>(),
-                "{frame} {i} {j}"
-            );
+            let expected = fresh.iter().map(|g| g.contacts.len()).sum::<usize>();
+            assert_eq!(points, expected, "{frame} {i} {j}");
             contacts += points;
         }
     }
@@ -95,18 +92,12 @@ fn wrong_vertices_are_refused_and_change_nothing() {
     let mut wrong = good.clone();
     wrong[5].z = f64::NAN;
     let error = VertexError::NotFinite { index: 5 };
-    assert_eq!(
-        scene.set_vertices(ring, &wrong),
-        Err(SceneError::Vertices { body: ring, error })
-    );
+    let found = scene.set_vertices(ring, &wrong);
+    assert_eq!(found, Err(SceneError::Vertices { body: ring, error }));
     wrong[5].z = 1e38;
-    assert_eq!(
-        scene.set_vertices(ring, &wrong),
-        Err(SceneError::TooLarge { reach: 1e38 })
-    );
+    let answer = scene.set_vertices(ring, &wrong);
+    assert_eq!(answer, Err(SceneError::TooLarge { reach: 1e38 }));
     scene.remove(ring).unwrap();
-    assert_eq!(
-        scene.set_vertices(ring, &good),
-        Err(SceneError::StaleBody { body: ring })
-    );
+    let found = scene.set_vertices(ring, &good);
+    assert_eq!(found, Err(SceneError::StaleBody { body: ring }));
 }

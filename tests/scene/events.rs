@@ -385,11 +385,8 @@ fn local_depths_bound_the_depths() {
             let depth = pair.outcome;
             for (k, other) in others.iter().enumerate() {
                 let outcome = other.scene.pair(pair.a, pair.b).and_then(|p| p.outcome);
-                assert_eq!(
-                    outcome.map(|o| o.state),
-                    depth.map(|o| o.state),
-                    "{outcome:?} {depth:?}"
-                );
+                let found = outcome.map(|o| o.state);
+                assert_eq!(found, depth.map(|o| o.state), "{outcome:?} {depth:?}");
                 let (Some(o), Some(d)) = (outcome, depth) else { continue };
                 assert!(o.lower <= d.upper && d.lower <= o.upper, "{o:?} {d:?}");
                 overlaps += usize::from(o.state == ContactState::Overlapping);

@@ -457,10 +457,8 @@ fn queries_that_kinds_cannot_answer_are_refused_by_name() {
     assert_eq!(refused, refusal("depth", GeometryKind::Mesh, GeometryKind::Curved));
     let local = near.local_depth(true);
     let refused = scene.set_queries(ALL, other, local).unwrap_err();
-    assert_eq!(
-        refused,
-        refusal("local_depth", GeometryKind::Mesh, GeometryKind::Curved)
-    );
+    let expected = refusal("local_depth", GeometryKind::Mesh, GeometryKind::Curved);
+    assert_eq!(refused, expected);
     assert_eq!(scene.queries(ALL, other), NONE, "a refused call changes nothing");
     scene.set_queries(ALL, other, near).unwrap();
 

@@ -176,10 +176,8 @@ fn files_hold_the_hulls() {
             assert_eq!(found["vertices"][0][1].as_f64(), Some(first.y));
             assert_eq!(found["offsets"][0].as_f64(), Some(cover.planes[0].offset()));
             assert_eq!(found["normals"].as_array().map(Vec::len), Some(cover.planes.len()));
-            assert_eq!(
-                found["triangles"].as_array().map(Vec::len),
-                Some(cover.hull.triangles().count())
-            );
+            let answer = found["triangles"].as_array().map(Vec::len);
+            assert_eq!(answer, Some(cover.hull.triangles().count()));
         }
     }
 }

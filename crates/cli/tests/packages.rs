@@ -116,10 +116,8 @@ fn a_package_has_the_name_in_its_package_xml_or_that_of_its_folder() {
     }
     assert_eq!(found(&name("arm"), &above, &Packages::default()).expect("a mesh"), 1);
     assert_eq!(found(&name("plain"), &above, &Packages::default()).expect("a mesh"), 3);
-    assert_eq!(
-        found(&name("checkout-main"), &above, &Packages::default()).expect("a mesh"),
-        1
-    );
+    let answer = found(&name("checkout-main"), &above, &Packages::default()).expect("a mesh");
+    assert_eq!(answer, 1);
     // A folder of that name, if no other folder says that it is the package.
     let other = Packages::new([root.join("arm")]);
     assert_eq!(found(&name("arm"), &elsewhere, &other).expect("a mesh"), 2);
@@ -163,11 +161,8 @@ fn addresses_of_every_kind_are_found() {
         ("a%20b.obj".into(), 4),
         ("a b.obj".into(), 5),
     ] {
-        assert_eq!(
-            found(&mesh, &folder, &packages).unwrap_or_else(|e| panic!("{e}")),
-            number,
-            "{mesh}"
-        );
+        let answer = found(&mesh, &folder, &packages).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(answer, number, "{mesh}");
     }
     for mesh in [
         "x.obj",

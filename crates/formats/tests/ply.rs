@@ -130,10 +130,8 @@ fn every_type_is_read_in_text_and_both_byte_orders() {
     }
     // Decimals of a text keep their last digit, whatever type the header states.
     let exact = text().replace("0.2", "0.20000000000000004");
-    assert_eq!(
-        bounds(&parse(exact, "a.ply").expect("a box"))[1][0],
-        0.20000000000000004
-    );
+    let found = bounds(&parse(exact, "a.ply").expect("a box"))[1][0];
+    assert_eq!(found, 0.20000000000000004);
 }
 
 #[test]

@@ -56,11 +56,8 @@ const CAMERA: [[f32; 3]; 5] = [
 ];
 
 fn is_camera(file: &PointFile, what: &str) {
-    assert_eq!(
-        file.points,
-        Points::F32(vec![CAMERA[0], CAMERA[2], CAMERA[3]]),
-        "{what}"
-    );
+    let expected = Points::F32(vec![CAMERA[0], CAMERA[2], CAMERA[3]]);
+    assert_eq!(file.points, expected, "{what}");
     assert_eq!((file.dropped, &file.radii), (2, &None), "{what}");
 }
 
@@ -178,10 +175,8 @@ fn files_without_points_have_their_own_errors() {
         }
     }
     fault_says("1 2 3\n", "a.obj", "unknown file extension");
-    assert_eq!(
-        fault(ply("ascii", XYZ, 0, b""), "a.ply").1,
-        "the file contains no point"
-    );
+    let found = fault(ply("ascii", XYZ, 0, b""), "a.ply").1;
+    assert_eq!(found, "the file contains no point");
     assert_eq!(fault("# x y z\n", "a.xyz").1, "the file contains no point");
     let faces = "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0\n";
     assert_eq!(fault(faces, "a.ply").1, "the file contains no point");
@@ -369,10 +364,8 @@ fn a_fault_of_a_pcd_is_named_with_its_line() {
     fault_says(pcd(&integers, PCD[2]), "a.pcd", "compressed integers");
     let half = PCD_HEADER.replace("SIZE 4 4 4", "SIZE 2 4 4");
     let data: Vec<u8> = [b"binary\n".to_vec(), vec![0; 60]].concat();
-    assert_eq!(
-        fault(pcd(&half, &data), "a.pcd").1,
-        "the type of the field x is not supported"
-    );
+    let found = fault(pcd(&half, &data), "a.pcd").1;
+    assert_eq!(found, "the type of the field x is not supported");
     // Rows of a text.
     let text = String::from_utf8(pcd(PCD_HEADER, PCD[0])).expect("text");
     for at in [11, 13, 16] {

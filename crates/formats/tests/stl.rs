@@ -95,10 +95,8 @@ fn spellings_of_exporters_are_read() {
     assert!((volume(&parse(&wide, "a.stl").expect("UTF-16")) - VOLUME).abs() < 1e-12);
     // Decimals keep their last digit.
     let exact = text.replace("0.2", "0.20000000000000004");
-    assert_eq!(
-        bounds(&parse(&exact, "a.stl").expect("a box"))[1][0],
-        0.20000000000000004
-    );
+    let found = bounds(&parse(&exact, "a.stl").expect("a box"))[1][0];
+    assert_eq!(found, 0.20000000000000004);
 }
 
 #[test]

@@ -77,10 +77,8 @@ fn every_format_keeps_every_bit() {
         assert_eq!(fields["sizes"], format!("{nx} {ny} {nz}"));
         assert_eq!(vectors("space origin"), [volume.origin]);
         let [a, b, c] = volume.step;
-        assert_eq!(
-            vectors("space directions"),
-            [[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]]
-        );
+        let answer = vectors("space directions");
+        assert_eq!(answer, [[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]]);
         for (field, value) in [
             ("type", "double"),
             ("dimension", "3"),

@@ -117,10 +117,8 @@ fn a_path_has_the_scene_once() {
     // A path of several segments that is blocked has none.
     let first = vec![0.0, 0.3, 1.0, 0.0, 1.0, 0.0];
     let rows = [first.clone(), first, vec![0.0, 1.7, 0.0, 0.0, 0.0, 0.0]];
-    assert_eq!(
-        Receipt::motion(&mut checker, &JointMotion::path(&rows).expect("a motion")).unwrap_err(),
-        ReceiptError::Blocked { piece: 1 }
-    );
+    let found = Receipt::motion(&mut checker, &JointMotion::path(&rows).expect("a motion")).unwrap_err();
+    assert_eq!(found, ReceiptError::Blocked { piece: 1 });
 }
 
 /// Replaces the tail of lines that were changed.

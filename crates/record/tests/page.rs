@@ -166,10 +166,8 @@ fn solids_of_any_size_have_coordinates_up_to_one() {
 fn every_recording_has_a_page() {
     let lines = |text: &str| Recording::read(text.as_bytes()).expect("a recording");
     let header = "{\"format\":\"lin-canny recording\",\"version\":2}\n";
-    assert_eq!(
-        data_of(&page(&lines(header), &PageOptions::default()))["frames"][0]["poses"],
-        serde_json::json!([])
-    );
+    let found = &data_of(&page(&lines(header), &PageOptions::default()))["frames"][0]["poses"];
+    assert_eq!(*found, serde_json::json!([]));
     let cube = Geometry::from(solids::cuboid(Vector3::repeat(1.0)).expect("a cube"));
     for far in [0.0, 1e-200, 1e200, f64::MAX] {
         let mut file = Vec::new();

@@ -216,10 +216,8 @@ fn a_cloud_is_written_once_and_read_back_to_the_bit() {
     let text = String::from_utf8(recorder.finish().unwrap()).unwrap();
     let recording = Recording::read(text.as_bytes()).unwrap();
     assert_eq!((recording.geometries.len(), recording.bodies.len()), (2, 4));
-    assert_eq!(
-        serde_json::to_string(&recording.geometries[0]).unwrap(),
-        serde_json::to_string(&cloud).unwrap()
-    );
+    let found = serde_json::to_string(&recording.geometries[0]).unwrap();
+    assert_eq!(found, serde_json::to_string(&cloud).unwrap());
     assert!(text.len() < 8000 * 36, "{} bytes", text.len());
 }
 

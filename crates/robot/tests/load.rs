@@ -47,10 +47,8 @@ fn the_example_has_one_coordinate_for_both_fingers() {
         (right.mimics.as_deref(), right.kind),
         (Some("left"), MotionKind::Prismatic)
     );
-    assert_eq!(
-        right.drive.map(|d| (d.coordinate, d.factor, d.offset)),
-        Some((6, 1.0, 0.0))
-    );
+    let found = right.drive.map(|d| (d.coordinate, d.factor, d.offset));
+    assert_eq!(found, Some((6, 1.0, 0.0)));
     let kinds: Vec<GeometryKind> = robot.links().iter().map(|l| l.bodies[0].geometry.kind()).collect();
     assert!(kinds.contains(&GeometryKind::Curved) && kinds.contains(&GeometryKind::Polyhedron));
     for (k, joint) in robot.joints().iter().enumerate() {
@@ -109,10 +107,8 @@ fn meshes_are_hulls_meshes_or_pieces() {
     pieces.pieces = Some(examples());
     says(load(pieces.clone()), "finger.obj");
     pieces.pieces = Some(examples().join("gripper_arm"));
-    assert_eq!(
-        load(pieces).expect("a robot")[0].geometry.kind(),
-        GeometryKind::Compound
-    );
+    let found = load(pieces).expect("a robot")[0].geometry.kind();
+    assert_eq!(found, GeometryKind::Compound);
 }
 
 #[test]
@@ -474,10 +470,8 @@ fn solids_without_size_are_points_segments_and_rectangles() {
                     let mut at = [0.0; 3];
                     at[axis] = 10.0 * sign;
                     let found = distance(&body, at);
-                    assert!(
-                        (found - (10.0 - half[axis])).abs() < 1e-12,
-                        "{urdf} along {axis}: {found}"
-                    );
+                    let off = (found - (10.0 - half[axis])).abs();
+                    assert!(off < 1e-12, "{urdf} along {axis}: {found}");
                 }
             }
         }

@@ -455,10 +455,8 @@ fn a_mocap_body_moves_if_it_collides() {
     let robot = parse(&format!("<mujoco><worldbody>{marker}{hand}</worldbody></mujoco>")).expect("a robot");
     let names: Vec<&str> = robot.coordinates().iter().map(|c| c.name.as_str()).collect();
     let of_hand = ["x", "y", "z", "roll", "pitch", "yaw"].map(|part| format!("hand:mocap/{part}"));
-    assert_eq!(
-        names,
-        of_hand.iter().map(String::as_str).chain(["f"]).collect::<Vec<_>>()
-    );
+    let expected = of_hand.iter().map(String::as_str).chain(["f"]).collect::<Vec<_>>();
+    assert_eq!(names, expected);
     assert_eq!(robot.start(), [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 0.0]);
     // As in MuJoCo, two bodies that no joint moves are not checked: no force can act.
     let boxes =
@@ -476,12 +474,10 @@ fn contacts_that_a_flag_switches_off_are_checked_and_listed() {
     for flag in ["contact", "constraint"] {
         let robot = hinge("", &format!("<option>\n<flag {flag}='disable'/></option>"));
         let skipped: Vec<String> = robot.skipped().iter().map(ToString::to_string).collect();
-        assert_eq!(
-            skipped,
-            [format!(
-                "r.xml:2: option flag: {flag}=\"disable\" is passed over: pairs are checked"
-            )]
-        );
+        let expected = [format!(
+            "r.xml:2: option flag: {flag}=\"disable\" is passed over: pairs are checked"
+        )];
+        assert_eq!(skipped, expected);
     }
     assert!(
         hinge("", "<option><flag limit='disable' multiccd='disable'/></option>")
@@ -509,11 +505,8 @@ fn what_is_left_out_is_listed_with_its_line() {
         ("b\"/>", "b\" active=\"false\"/>"),
         ("<equality>", "<option><flag equality=\"disable\"/></option><equality>"),
     ] {
-        assert_eq!(
-            parse(&text.replace(from, to)).expect("a robot").skipped().len(),
-            1,
-            "{to}"
-        );
+        let found = parse(&text.replace(from, to)).expect("a robot").skipped().len();
+        assert_eq!(found, 1, "{to}");
     }
     // Without a second joint, the joint is held.
     assert!(robot.coordinates().is_empty());

@@ -111,10 +111,8 @@ fn cells_with_poses_are_saved_bit_for_bit() {
     let mut one = checker(&first);
     let saved = CellFile::from_cell(one.cell()).to_json().expect("a text");
     let again = cell(&saved).expect("a cell");
-    assert_eq!(
-        CellFile::from_cell(checker(&again).cell()).to_json().expect("a text"),
-        saved
-    );
+    let found = CellFile::from_cell(checker(&again).cell()).to_json().expect("a text");
+    assert_eq!(found, saved);
     for (a, b) in first.obstacles.iter().zip(&again.obstacles) {
         assert_eq!(a.poses, b.poses);
         assert!(b.name.starts_with(&a.name), "{}", b.name);
@@ -370,8 +368,6 @@ fn a_cell_of_the_examples_moves() {
     let checker = checker(&crossing);
     let crate_ = checker.cell().select("crate").expect("a body");
     assert_eq!(crate_, [CellBody::Obstacle(2)]);
-    assert_eq!(
-        checker.cell().obstacle_motion(crate_[0]).expect("poses").times().len(),
-        5
-    );
+    let found = checker.cell().obstacle_motion(crate_[0]).expect("poses").times().len();
+    assert_eq!(found, 5);
 }

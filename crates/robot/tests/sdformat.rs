@@ -170,10 +170,8 @@ fn axes_are_in_the_frame_of_the_version() {
     for [version, xyz, inside, expected] in cases("axes") {
         let robot = parse(&file(&version, &xyz, &inside)).expect(&version);
         let axis = robot.joints()[1].axis.into_inner();
-        assert!(
-            (axis - Vector3::from(numbers(&expected))).amax() < 1e-15,
-            "{version} {xyz} {inside}: {axis}"
-        );
+        let off = (axis - Vector3::from(numbers(&expected))).amax();
+        assert!(off < 1e-15, "{version} {xyz} {inside}: {axis}");
     }
 }
 
@@ -589,10 +587,8 @@ fn joints_with_several_coordinates_move_their_links() {
         let q = &[0.7, 1.1, -0.4][..names.len()];
         let poses = poses_at(&robot, q);
         let found = poses.iter().find(|(name, _)| name == "b").expect("the body").1;
-        assert!(
-            (found.to_homogeneous() - expected.to_homogeneous()).amax() < 1e-14,
-            "{kind}: {found} {expected}"
-        );
+        let off = (found.to_homogeneous() - expected.to_homogeneous()).amax();
+        assert!(off < 1e-14, "{kind}: {found} {expected}");
         if names.len() == 2 {
             assert_eq!(robot.coordinates()[1].limits, [-1.0, 2.0]);
         }
@@ -631,10 +627,8 @@ fn has_box(geometry: &Geometry, pose: &Isometry3<f64>, expected: [&str; 2], what
     let slack = 1e-5 * (1.0 + geometry.bounding_ball().1);
     for (found, expected) in [min, max].into_iter().zip(expected) {
         let expected = Point3::from(numbers(expected));
-        assert!(
-            (found - expected).amax() < slack,
-            "{what}: {found}, expected {expected}"
-        );
+        let off = (found - expected).amax();
+        assert!(off < slack, "{what}: {found}, expected {expected}");
     }
 }
 
@@ -711,10 +705,8 @@ fn a_plane_of_a_robot_is_a_half_space_unless_it_moves() {
     let (min, max) = floating.links()[1].bodies[0]
         .geometry
         .aabb_at(&Isometry3::identity(), &mut lin_canny::BoxHint::default());
-    assert!(
-        (max - min - Vector3::new(2000.0, 2000.0, 1000.0)).amax() < 0.1,
-        "{min} {max}"
-    );
+    let off = (max - min - Vector3::new(2000.0, 2000.0, 1000.0)).amax();
+    assert!(off < 0.1, "{min} {max}");
     let options = LoadOptions::default().plane_extent(-1.0);
     let text = world(&format!("<model name=\"m\">{ceiling}</model>"));
     says(
@@ -860,10 +852,8 @@ fn included_models_are_read_from_their_folders() {
         "</pose></include>",
         "</pose><placement_frame>f</placement_frame></include>",
     );
-    assert_eq!(
-        position(&parse_in(&folder, &text).expect("a robot"), "x"),
-        [4.0, 1.0, 1.0]
-    );
+    let answer = position(&parse_in(&folder, &text).expect("a robot"), "x");
+    assert_eq!(answer, [4.0, 1.0, 1.0]);
     for (from, to) in [
         ("merge=\"true\"", "merge=\"yes\""),
         ("</pose></include>", "</pose><static>true</static></include>"),
@@ -893,13 +883,11 @@ fn included_models_are_read_from_their_folders() {
         "<sdf version=\"1.9\"><light name=\"l\"/></sdf>",
     )
     .expect("a file");
-    assert_eq!(
-        load("<include><uri>light.sdf</uri></include>")
-            .expect("a robot")
-            .links()
-            .len(),
-        1
-    );
+    let answer = load("<include><uri>light.sdf</uri></include>")
+        .expect("a robot")
+        .links()
+        .len();
+    assert_eq!(answer, 1);
     for [include, words] in cases("faults of an include") {
         let error = says(load(&format!("\n{include}")), &words);
         assert_eq!(error.line, Some(2), "{error}");
@@ -1097,10 +1085,8 @@ fn floating_links_start_where_they_are_drawn() {
         )))
         .expect("a robot");
         let names: Vec<&str> = robot.coordinates().iter().map(|c| c.name.as_str()).collect();
-        assert_eq!(
-            names,
-            ["x", "y", "z", "roll", "pitch", "yaw"].map(|part| format!("m::a/{part}"))
-        );
+        let truth = ["x", "y", "z", "roll", "pitch", "yaw"].map(|part| format!("m::a/{part}"));
+        assert_eq!(names, truth);
         let turn = UnitQuaternion::from_euler_angles(six[3], six[4], six[5]);
         let expected = Isometry3::from_parts(Translation3::new(six[0], six[1], six[2]), turn);
         for q in [robot.start(), &six] {
@@ -1161,10 +1147,8 @@ fn masks_exclude_the_pairs_that_share_no_bit() {
         setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
         let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
         let is_free = checker.is_free_at(robot.start()).expect("an answer");
-        assert_eq!(
-            is_free,
-            expected != "[]" && bodies.matches("collision name").count() == 2
-        );
+        let truth = expected != "[]" && bodies.matches("collision name").count() == 2;
+        assert_eq!(is_free, truth);
     }
     // Bodies follow their links, whatever the order of the file is.
     let late = links(&[collide("1"), collide("2"), collide("2")])
@@ -1254,18 +1238,16 @@ fn the_example_is_a_robot_and_a_cell() {
     assert!(checker.is_free_at(&q).is_err() || !checker.is_free_at(&q).expect("an answer"));
     let cell = CellFile::load(example(), &Packages::default(), &LoadOptions::default()).expect("a cell");
     let names: Vec<&str> = cell.obstacles.iter().map(|o| o.name.as_str()).collect();
-    assert_eq!(
-        names,
-        [
-            "table::top",
-            "arm::base",
-            "arm::upper",
-            "arm::hand",
-            "arm::left",
-            "arm::right",
-            "part::block"
-        ]
-    );
+    let truth = [
+        "table::top",
+        "arm::base",
+        "arm::upper",
+        "arm::hand",
+        "arm::left",
+        "arm::right",
+        "part::block",
+    ];
+    assert_eq!(names, truth);
     let error =
         CellFile::parse("<robot/>", "c.sdf", &Packages::default(), &LoadOptions::default()).expect_err("a URDF");
     assert!(error.to_string().contains("(expected sdf)"), "{error}");
@@ -1337,11 +1319,8 @@ fn poses_are_those_of_another_reader() {
                 "axis" => {
                     let joint = robot.joints().iter().find(|j| j.name == name).expect("the joint");
                     let axis = Vector3::new(numbers[0], numbers[1], numbers[2]);
-                    assert!(
-                        (joint.axis.into_inner() - axis).amax() < 1e-9,
-                        "{}: {line}",
-                        path.display()
-                    );
+                    let off = (joint.axis.into_inner() - axis).amax();
+                    assert!(off < 1e-9, "{}: {line}", path.display());
                 }
                 _ => {}
             }

@@ -544,14 +544,12 @@ fn links_without_default_collisions_are_checked_only_where_enabled() {
 fn unknown_elements_of_an_srdf_are_errors_with_their_line() {
     let good = "<disable_collisions link1=\"base\" link2=\"hand\"/>\n<group name=\"g\"/>";
     let passed = "<end_effector/><passive_joint><cone/></passive_joint><x:y xmlns:x=\"urn:x\"/><!-- c -->";
-    assert_eq!(
-        srdf(&format!("{passed}{good}{passed}"))
-            .expect("an SRDF")
-            .1
-            .excluded
-            .len(),
-        1
-    );
+    let found = srdf(&format!("{passed}{good}{passed}"))
+        .expect("an SRDF")
+        .1
+        .excluded
+        .len();
+    assert_eq!(found, 1);
     for [wrong, words] in truth::rows::rows(include_str!("setup/rows.txt"), "faults of an SRDF") {
         for (text, line) in [(format!("{wrong}{good}"), 2), (format!("{good}\n{wrong}"), 4)] {
             let error = says(srdf(&text), &words);
@@ -611,11 +609,8 @@ fn excluded_pairs_are_written_as_an_srdf_and_read_again() {
     read.exclude_in(&mut after, "r/").expect("links");
     let [a, b] = [before, after].map(|setup| Checker::of_robots(setup.clone()).expect("a setup"));
     assert!(a.cell().excluded().eq(b.cell().excluded()));
-    assert_eq!(
-        a.cell().excluded_names(),
-        b.cell().excluded_names(),
-        "the reasons as well"
-    );
+    let found = a.cell().excluded_names();
+    assert_eq!(found, b.cell().excluded_names(), "the reasons as well");
 }
 
 /// A cell is changed at any time, and a copy of it is another cell.

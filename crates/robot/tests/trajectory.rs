@@ -291,10 +291,8 @@ fn smooth_motions_are_read_back_bit_for_bit_and_proven() {
     let rows = vec![vec![0.1; 6], vec![-0.0, 1e-300, 1e300, 0.3, 1.0 / 3.0, 2.0]];
     let mut plain = Trajectory::default();
     plain.rows.clone_from(&rows);
-    assert_eq!(
-        plain.csv_text(setup.coordinates()),
-        lin_canny_robot::csv_text(setup.coordinates(), &rows)
-    );
+    let found = plain.csv_text(setup.coordinates());
+    assert_eq!(found, lin_canny_robot::csv_text(setup.coordinates(), &rows));
 }
 
 #[test]

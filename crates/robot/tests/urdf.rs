@@ -600,9 +600,7 @@ fn omitted_limits_are_those_of_the_version() {
         let robot = parse(&text.replace("<robot ", &format!("<robot {version} "))).expect("a robot");
         assert_eq!(robot.joints()[0].limits, [expected, 1.0]);
         let open = LoadOptions::default().continuous_limits[0];
-        assert_eq!(
-            robot.coordinates()[0].limits,
-            [if expected == 0.0 { 0.0 } else { open }, 1.0]
-        );
+        let found = robot.coordinates()[0].limits;
+        assert_eq!(found, [if expected == 0.0 { 0.0 } else { open }, 1.0]);
     }
 }

@@ -284,12 +284,8 @@ fn python() {
             .output()
             .unwrap();
         let found = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert_eq!(
-            found.lines().collect::<Vec<_>>(),
-            expected,
-            "{}",
-            String::from_utf8_lossy(&output.stderr)
-        );
+        let answer = found.lines().collect::<Vec<_>>();
+        assert_eq!(answer, expected, "{}", String::from_utf8_lossy(&output.stderr));
     }
     std::fs::remove_dir_all(&folder).unwrap();
     let [first, changed, accepted] = counts;

@@ -174,11 +174,8 @@ fn times_of_legs_are_from_0_to_1() {
             within: 8.0,
             on,
         });
-        assert_eq!(
-            verify(other.text().as_bytes()).is_ok_and(|x| x.holds()),
-            reads,
-            "{time}"
-        );
+        let found = verify(other.text().as_bytes()).is_ok_and(|x| x.holds());
+        assert_eq!(found, reads, "{time}");
     }
     // A path that jumps.
     let mut path = arm(&mut Rng(4), 0.0, 2, 1);

@@ -170,10 +170,8 @@ fn rays_and_points_meet_the_surface() {
         .expect("the far side");
     assert!((from_inside.time_of_impact - 0.5).abs() < 1e-6 && from_inside.normal.x < -0.9);
     assert_eq!(cube.cast_local_ray(&out, 10.0, true), Some(0.0));
-    assert_eq!(
-        cube.cast_local_ray(&Ray::new(Vector::X * 2.0, Vector::Y), 10.0, true),
-        None
-    );
+    let found = cube.cast_local_ray(&Ray::new(Vector::X * 2.0, Vector::Y), 10.0, true);
+    assert_eq!(found, None);
     let nothing = Ray::new(Vector::splat(Real::NAN), Vector::X);
     assert!(cube.cast_local_ray(&nothing, 10.0, true).is_none());
     let (_, feature) = cube.project_local_point_and_get_feature(Vector::X * 0.4);
@@ -281,10 +279,8 @@ fn rounded_hulls_are_written_as_parrys() {
     assert_eq!(again.border_radius(), round.border_radius());
     assert_eq!(again.body().vertex_count(), round.body().vertex_count());
     let large = round.scale_dyn(Vector::splat(2.0), 0).expect("a hull");
-    assert_eq!(
-        large.as_shape::<Hull>().map(Hull::border_radius),
-        Some(round.border_radius())
-    );
+    let found = large.as_shape::<Hull>().map(Hull::border_radius);
+    assert_eq!(found, Some(round.border_radius()));
     for bad in [-0.1, Real::NAN, Real::INFINITY, -Real::MIN_POSITIVE] {
         assert!(matches!(hull.rounded(bad), Err(HullError::Radius(_))), "{bad}");
     }

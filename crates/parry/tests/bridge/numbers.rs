@@ -243,11 +243,8 @@ fn negative_predictions_ask_for_depth() {
             (&compound, &Pose::translation(0.0, 2.75, 0.0)),
         ] {
             let found = ours.closest_points(pose, shape, &ball, most).expect("supported");
-            assert_eq!(
-                matches!(found, ClosestPoints::WithinMargin(..)),
-                is_found,
-                "{most}: {found:?}"
-            );
+            let answer = matches!(found, ClosestPoints::WithinMargin(..));
+            assert_eq!(answer, is_found, "{most}: {found:?}");
         }
     }
 }

@@ -56,16 +56,10 @@ fn propeller(far: f64, unit: f64) -> Checker<RigidSpace> {
 
 fn agrees<C: ConfigurationSpace>(checker: &mut Checker<C>, ends: [&[f64]; 2], is_free: bool, what: &str) {
     for [from, to] in [ends, [ends[1], ends[0]]] {
-        assert_eq!(
-            checker.is_free_along(&JointMotion::segment(from, to)),
-            is_free,
-            "{what}"
-        );
-        assert_eq!(
-            checker.is_free(&JointMotion::segment(from, to)).expect("a segment"),
-            is_free,
-            "{what}"
-        );
+        let answer = checker.is_free_along(&JointMotion::segment(from, to));
+        assert_eq!(answer, is_free, "{what}");
+        let found = checker.is_free(&JointMotion::segment(from, to)).expect("a segment");
+        assert_eq!(found, is_free, "{what}");
     }
 }
 

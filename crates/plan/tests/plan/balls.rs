@@ -154,10 +154,8 @@ fn judged(trees: Range<u64>, places: u32) -> [u32; 5] {
         let poses = robot.poses(&from);
         for (k, pose) in poses.iter().enumerate() {
             let found = robot.checker.pose(CellBody::Robot(k), &from).expect("a pose");
-            assert!(
-                (found.to_homogeneous() - pose.to_homogeneous()).amax() < 1e-13,
-                "{seed}"
-            );
+            let off = (found.to_homogeneous() - pose.to_homogeneous()).amax();
+            assert!(off < 1e-13, "{seed}");
         }
         let curve = bezier(&rows);
         let line = |t: f64| -> Vec<f64> { from.iter().zip(&rows[1]).map(|(a, b)| a + (b - a) * t).collect() };

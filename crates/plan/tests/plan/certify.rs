@@ -72,10 +72,8 @@ fn judge(n: usize, segments: u64, steps: usize) -> Tally {
             }
             _ => tally.unknown += 1,
         }
-        assert_eq!(
-            checker.is_free(&JointMotion::segment(&p, &q)).expect("a segment"),
-            verdict.is_free()
-        );
+        let found = checker.is_free(&JointMotion::segment(&p, &q)).expect("a segment");
+        assert_eq!(found, verdict.is_free());
     }
     tally
 }
@@ -198,13 +196,10 @@ fn margins_are_kept() {
     let ends = [vec![1.25, -1.0, 0.0], vec![1.25, 1.0, 0.0]];
     for (margin, is_free) in [(0.0, true), (0.249, true), (0.251, false)] {
         checker.cell_mut().set_margin(margin).expect("a margin");
-        assert_eq!(
-            checker
-                .is_free(&JointMotion::segment(&ends[0], &ends[1]))
-                .expect("a segment"),
-            is_free,
-            "{margin}"
-        );
+        let answer = checker
+            .is_free(&JointMotion::segment(&ends[0], &ends[1]))
+            .expect("a segment");
+        assert_eq!(answer, is_free, "{margin}");
     }
     checker.cell_mut().set_margin(0.0).expect("a margin");
     let found = checker

@@ -396,10 +396,8 @@ fn removed_bodies_and_unknown_names_are_errors_that_say_so() {
     let ball = || Shape::ball(0.1).expect("a ball");
     let post = checker.cell_mut().put("post", ball(), at);
     assert_eq!(checker.cell_mut().remove_obstacle(post), Ok(vec![post]));
-    assert_eq!(
-        checker.cell_mut().move_obstacle(post, at),
-        Err(PlanError::Removed(post))
-    );
+    let found = checker.cell_mut().move_obstacle(post, at);
+    assert_eq!(found, Err(PlanError::Removed(post)));
     assert_eq!(post.to_string(), "obstacle 0");
     let next = checker.cell_mut().put("post", ball(), at);
     assert_eq!(next, CellBody::Obstacle(1));
@@ -434,10 +432,8 @@ fn removed_bodies_and_unknown_names_are_errors_that_say_so() {
         let expected = format!("object {taken:?}: the name is taken (expected another one)");
         assert_eq!(text(error.expect_err("a taken name")), expected);
         let error = checker.cell_mut().add_obstacle(taken, ball(), Isometry3::identity());
-        assert_eq!(
-            text(error.expect_err("a taken name")),
-            expected.replace("object", "obstacle")
-        );
+        let answer = text(error.expect_err("a taken name"));
+        assert_eq!(answer, expected.replace("object", "obstacle"));
     }
     let twins = ["twin".to_owned(), "twin#2".to_owned()];
     let error = checker.detach_at(&twins[..], &[0.0; 3]).expect_err("two objects");
@@ -446,10 +442,8 @@ fn removed_bodies_and_unknown_names_are_errors_that_say_so() {
     // The names are free again.
     assert_eq!(checker.cell().free_name("twin"), "twin");
     assert!(checker.cell_mut().pad("post", -0.1).is_err());
-    assert_eq!(
-        checker.cell().excluded_names(),
-        [(["fore", "hand"], "User"), (["fore", "upper"], "User")]
-    );
+    let found = checker.cell().excluded_names();
+    assert_eq!(found, [(["fore", "hand"], "User"), (["fore", "upper"], "User")]);
 }
 
 #[test]
@@ -540,10 +534,8 @@ fn gradients_equal_finite_differences() {
                     // At a kink the differences to both sides differ.
                     let (up, down) = ((at(h) - n.distance) / h, (n.distance - at(-h)) / h);
                     if (up - down).abs() < 1e-4 {
-                        assert!(
-                            (n.gradient[k] - 0.5 * (up + down)).abs() < 1e-4,
-                            "{n:?} {k} {up} {down}"
-                        );
+                        let off = (n.gradient[k] - 0.5 * (up + down)).abs();
+                        assert!(off < 1e-4, "{n:?} {k} {up} {down}");
                         count += 1;
                     }
                 }

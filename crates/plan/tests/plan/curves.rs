@@ -830,10 +830,8 @@ fn contacts_in_tubes_are_within_the_tube() {
                 "{name} {k}"
             );
             for ((x, y), e) in q.iter().zip(curve.at(t)).zip(tube.at(t)) {
-                assert!(
-                    (x - y).abs() <= e + 1e-15 * y.abs().max(1.0),
-                    "{name} {k} at {t}: {q:?}"
-                );
+                let off = (x - y).abs();
+                assert!(off <= e + 1e-15 * y.abs().max(1.0), "{name} {k} at {t}: {q:?}");
             }
             assert!(
                 !judge.is_free_at(&q).expect("within limits"),

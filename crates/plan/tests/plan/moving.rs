@@ -105,10 +105,8 @@ fn timed_poses_that_are_invalid_are_errors() {
     };
     assert_eq!(refused(&[], &[]), "number of timed poses is out of range: 0.0");
     assert_eq!(refused(&[0.0], &[origin]), "number of timed poses is out of range: 1.0");
-    assert_eq!(
-        refused(&[0.0], &[origin; 2]),
-        "number of times of poses is out of range: 1.0"
-    );
+    let found = refused(&[0.0], &[origin; 2]);
+    assert_eq!(found, "number of times of poses is out of range: 1.0");
     for (times, text) in [
         ([0.0, 0.0, 1.0], "timed pose 1: time is out of range: 0.0"),
         ([0.0, 1.0, 1.0], "timed pose 2: time is out of range: 1.0"),
@@ -409,33 +407,22 @@ fn everything_without_a_time_is_an_error() {
         assert_eq!(checker.certify(&JointMotion::segment(&p, &q)), Err(none()));
         assert_eq!(checker.is_free(&JointMotion::segment(&p, &q)), Err(none()));
         assert_eq!(crate::prove(&mut checker, &JointMotion::segment(&p, &q)), Err(none()));
-        assert_eq!(
-            checker.certify(&JointMotion::segment(&p, &q).with_radius(0.1).expect("a motion")),
-            Err(none())
-        );
-        assert_eq!(
-            checker.certify(&JointMotion::path(&[p, q]).expect("a motion")),
-            Err(none())
-        );
+        let found = checker.certify(&JointMotion::segment(&p, &q).with_radius(0.1).expect("a motion"));
+        assert_eq!(found, Err(none()));
+        let found = checker.certify(&JointMotion::path(&[p, q]).expect("a motion"));
+        assert_eq!(found, Err(none()));
         assert_eq!(checker.clearance_along(&JointMotion::segment(&p, &q), 0.1), Err(none()));
         assert_eq!(checker.certify(&JointMotion::curve(&straight)), Err(none()));
         assert_eq!(crate::prove(&mut checker, &JointMotion::curve(&straight)), Err(none()));
-        assert_eq!(
-            checker.certify(&JointMotion::spline(std::slice::from_ref(&straight)).expect("a motion")),
-            Err(none())
-        );
+        let found = checker.certify(&JointMotion::spline(std::slice::from_ref(&straight)).expect("a motion"));
+        assert_eq!(found, Err(none()));
         assert_eq!(checker.certify(&tubed(&straight, &[0.1; 3])), Err(none()));
-        assert_eq!(
-            checker.clearance_along(&JointMotion::curve(&straight), 0.1),
-            Err(none())
-        );
-        assert_eq!(
-            RrtConnect::new(&PlanOptions::default())
-                .plan(&mut checker, &p, &q)
-                .err(),
-            Some(none()),
-            "{has_time}"
-        );
+        let answer = checker.clearance_along(&JointMotion::curve(&straight), 0.1);
+        assert_eq!(answer, Err(none()));
+        let found = RrtConnect::new(&PlanOptions::default())
+            .plan(&mut checker, &p, &q)
+            .err();
+        assert_eq!(found, Some(none()), "{has_time}");
         let id = CellBody::Obstacle(0);
         if !has_time {
             assert_eq!(checker.clearance(&p), Err(none()));
@@ -498,10 +485,8 @@ fn moving_obstacles_come_and_go() {
     let id = checker.cell_mut().put_moving("press", cuboid([1.0; 3]), timed.clone());
     assert_eq!(checker.cell().obstacle_motion(id), Some(&timed));
     assert_eq!(checker.cell().obstacle_pose(id), Some(&rows[0]));
-    assert_eq!(
-        checker.clearance(&[0.0; 3]).expect("a pose").expect("a pair").distance,
-        1.0
-    );
+    let answer = checker.clearance(&[0.0; 3]).expect("a pose").expect("a pair").distance;
+    assert_eq!(answer, 1.0);
     let found = checker.verdict_of(&JointMotion::curve(&still([0.0, 1.0])));
     assert!(
         matches!(found, Verdict::Blocked { contact_at: t, .. } if (t - 0.7).abs() < 1e-5),
@@ -525,10 +510,8 @@ fn moving_obstacles_come_and_go() {
         assert!(matches!(error, Err(PlanError::PoseTime { .. })), "{error:?}");
     }
     checker.cell_mut().remove_obstacle(late).expect("an obstacle");
-    assert_eq!(
-        checker.clearance(&[0.0; 3]).expect("a pose").expect("a pair").distance,
-        1.9
-    );
+    let answer = checker.clearance(&[0.0; 3]).expect("a pose").expect("a pair").distance;
+    assert_eq!(answer, 1.9);
     // At rest, then gone.
     checker
         .cell_mut()

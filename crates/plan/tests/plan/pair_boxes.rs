@@ -55,11 +55,8 @@ fn judge(plain: &mut Checker<JointTree>, with: &mut Checker<JointTree>, samples:
         let Ok(verdict) = plain.certify(&JointMotion::segment(&from, &to)) else {
             continue;
         };
-        assert_eq!(
-            with.verdict_of(&JointMotion::segment(&from, &to)),
-            verdict,
-            "{k}: {from:?} {to:?}"
-        );
+        let found = with.verdict_of(&JointMotion::segment(&from, &to));
+        assert_eq!(found, verdict, "{k}: {from:?} {to:?}");
         let is_free = with.is_free(&JointMotion::segment(&from, &to)).expect("a segment");
         assert_eq!(is_free, verdict.is_free(), "{k}: {from:?} {to:?}");
         free += u64::from(is_free);
@@ -218,11 +215,8 @@ fn configurations_and_segments_on_faces_are_looked_up() {
         plain.forget();
         with.forget();
         let verdict = plain.verdict_of(&JointMotion::segment(&from, &to));
-        assert_eq!(
-            with.verdict_of(&JointMotion::segment(&from, &to)),
-            verdict,
-            "{from:?} {to:?}"
-        );
+        let found = with.verdict_of(&JointMotion::segment(&from, &to));
+        assert_eq!(found, verdict, "{from:?} {to:?}");
         free += u64::from(is_free) + u64::from(verdict.is_free());
     }
     // Balls and boxes decide most of them before a lookup.
@@ -244,19 +238,15 @@ fn a_search_that_is_stopped_keeps_its_boxes() {
     });
     let stopped = share_of(&stopped.expect("boxes"));
     assert_eq!(counts, (1..=200).collect::<Vec<_>>());
-    assert_eq!(
-        stopped,
-        share_of(&PairBoxes::search(&mut checker, 200, &mut |_| ControlFlow::Continue(())).expect("boxes"))
-    );
+    let expected = share_of(&PairBoxes::search(&mut checker, 200, &mut |_| ControlFlow::Continue(())).expect("boxes"));
+    assert_eq!(stopped, expected);
     assert!(
         stopped > 0.5
             && stopped
                 < share_of(&PairBoxes::search(&mut checker, 1_000, &mut |_| ControlFlow::Continue(())).expect("boxes"))
     );
-    assert_eq!(
-        share_of(&PairBoxes::search(&mut checker, 0, &mut |_| ControlFlow::Continue(())).expect("boxes")),
-        0.0
-    );
+    let found = share_of(&PairBoxes::search(&mut checker, 0, &mut |_| ControlFlow::Continue(())).expect("boxes"));
+    assert_eq!(found, 0.0);
 }
 
 #[test]

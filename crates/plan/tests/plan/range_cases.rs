@@ -308,10 +308,8 @@ fn an_answer_goes_on_only_at_a_time() {
         later.set_time(0.0).expect("a time");
         let whole = later.answer_over(&options, [A, id], &[0.0], &[3.0]);
         assert!(whole.is_never(), "{whole:?}");
-        assert_eq!(
-            RangeProver::new(&options).progress(go).resume(&mut later, &begun),
-            Ok(whole)
-        );
+        let found = RangeProver::new(&options).progress(go).resume(&mut later, &begun);
+        assert_eq!(found, Ok(whole));
         later.set_time(0.5).expect("a time");
         let again = RangeProver::new(&options).progress(go).resume(&mut later, &begun);
         // The post has not moved.

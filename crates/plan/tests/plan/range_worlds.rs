@@ -167,10 +167,8 @@ fn a_range_beside_a_moving_obstacle_needs_a_time() {
     let mut checker = Checker::new(arm.expect("an arm"), cell).expect("a world");
     let options = RangeOptions::default();
     let none = Err(PlanError::NoTime("cart".into()));
-    assert_eq!(
-        RangeProver::new(&options).pair(&mut checker, A, cart, &[0.0], &[3.0]),
-        none
-    );
+    let found = RangeProver::new(&options).pair(&mut checker, A, cart, &[0.0], &[3.0]);
+    assert_eq!(found, none);
     checker.set_time(0.0).expect("a time");
     let early = checker.answer_over(&options, [A, cart], &[0.0], &[3.0]);
     assert!(early.is_never() && early.lower <= 5.0, "{early:?}");
@@ -179,10 +177,8 @@ fn a_range_beside_a_moving_obstacle_needs_a_time() {
     assert!(matches!(late.verdict, RangeVerdict::Both { .. }), "{late:?}");
     // The obstacle has moved since the answer.
     let go = &mut |_| ControlFlow::Continue(());
-    assert_eq!(
-        RangeProver::new(&options).progress(go).resume(&mut checker, &early),
-        Err(PlanError::OtherRange(early.pair))
-    );
+    let found = RangeProver::new(&options).progress(go).resume(&mut checker, &early);
+    assert_eq!(found, Err(PlanError::OtherRange(early.pair)));
 }
 
 #[test]
@@ -310,10 +306,8 @@ fn an_answer_about_other_bodies_is_not_resumed() {
     for other in others.clone() {
         let mut changed = moved(joint(), cube(0.5), other);
         for old in [&open, &answer] {
-            assert_eq!(
-                RangeProver::new(&options).progress(go).resume(&mut changed, old),
-                Err(PlanError::OtherRange(old.pair))
-            );
+            let found = RangeProver::new(&options).progress(go).resume(&mut changed, old);
+            assert_eq!(found, Err(PlanError::OtherRange(old.pair)));
         }
     }
     let [_, _, two, three] = others;

@@ -158,13 +158,11 @@ fn effects_left_out_leave_their_counters_at_zero() {
         (0..20).map(|_| run(&mut s, 1).swept).max()
     };
     assert_eq!(swept(all), Some(1));
-    assert_eq!(
-        swept(Effects {
-            continuous: Continuous::Off,
-            ..all
-        }),
-        Some(0)
-    );
+    let found = swept(Effects {
+        continuous: Continuous::Off,
+        ..all
+    });
+    assert_eq!(found, Some(0));
     let (mut s, _) = thrown(all, 0.3, Velocity::default());
     let rested = run(&mut s, 240);
     assert_eq!((rested.asleep, rested.moved, rested.iterations), (1, 0, 4));
@@ -200,11 +198,8 @@ fn friction_restitution_and_its_model_are_as_called_for() {
         run(&mut s, 120);
         s.pose(id).expect("a body").translation.x
     };
-    assert!(
-        (slid(base) - 4.0).abs() < 0.05,
-        "without friction a block slides on: {}",
-        slid(base)
-    );
+    let off = (slid(base) - 4.0).abs();
+    assert!(off < 0.05, "without friction a block slides on: {}", slid(base));
     for friction_model in [FrictionModel::Simplified, FrictionModel::Coulomb] {
         let x = slid(Effects {
             friction: Some(0.5),
@@ -252,28 +247,22 @@ fn nonsense_is_refused_by_name() {
     let refused = |effects: Effects| Simulation::new(effects, Settings::default()).err();
     let needs = |effect| Some(SimulationError::NeedsResponse { effect });
     let none = Effects::none();
-    assert_eq!(
-        refused(Effects {
-            friction: Some(0.5),
-            ..none
-        }),
-        needs("friction")
-    );
-    assert_eq!(
-        refused(Effects {
-            restitution: Some(0.5),
-            ..none
-        }),
-        needs("restitution")
-    );
+    let found = refused(Effects {
+        friction: Some(0.5),
+        ..none
+    });
+    assert_eq!(found, needs("friction"));
+    let answer = refused(Effects {
+        restitution: Some(0.5),
+        ..none
+    });
+    assert_eq!(answer, needs("restitution"));
     assert_eq!(refused(Effects { sleeping: true, ..none }), needs("sleeping"));
-    assert_eq!(
-        refused(Effects {
-            continuous: Continuous::AgainstAll,
-            ..none
-        }),
-        needs("continuous")
-    );
+    let found = refused(Effects {
+        continuous: Continuous::AgainstAll,
+        ..none
+    });
+    assert_eq!(found, needs("continuous"));
     assert_eq!(refused(Effects { iterations: 4, ..none }), needs("iterations"));
     let number = |e: Option<SimulationError>| matches!(e, Some(SimulationError::Number { .. }));
     assert!(number(refused(Effects {
@@ -402,14 +391,12 @@ fn the_default_step_is_refused_for_small_bodies_that_fall() {
     }
     // Nothing falls, or nothing rests on anything.
     assert_eq!(refused(Effects::response(), of(0.002)), None);
-    assert_eq!(
-        refused(
-            Effects {
-                gravity: Some(DOWN),
-                ..Effects::none()
-            },
-            of(0.002)
-        ),
-        None
+    let found = refused(
+        Effects {
+            gravity: Some(DOWN),
+            ..Effects::none()
+        },
+        of(0.002),
     );
+    assert_eq!(found, None);
 }
