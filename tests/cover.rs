@@ -259,10 +259,8 @@ fn a_ball_is_covered_by_itself_and_a_point_by_a_ball_of_no_size() {
     for point in [Point3::origin(), Point3::new(1.0, 2.0, 3.0)] {
         let body = ConvexPolyhedron::point(point).expect("a point");
         let cover = cover_outside(&body, CoverGoal::Balls(3)).expect("a cover");
-        assert!(
-            contain(&plain(&cover.balls), &[point.into()]) && cover.gap < 1e-12,
-            "{cover:?}"
-        );
+        assert!(contain(&plain(&cover.balls), &[point.into()]), "{cover:?}");
+        assert!(cover.gap < 1e-12, "{cover:?}");
     }
     let ends = [Point3::origin(), Point3::new(1.0, 2.0, 3.0)];
     let body = ConvexPolyhedron::segment(ends[0], ends[1]).expect("a segment");
@@ -281,11 +279,8 @@ fn a_gap_is_reached_or_an_error_says_how_far() {
     for part in [0.5, 0.2, 0.1] {
         let gap = part * soup.radius();
         let cover = cover_outside(&mesh, CoverGoal::Gap(gap)).expect("a cover");
-        assert!(
-            cover.gap <= gap && cover.balls.len() > before,
-            "{part}: {}",
-            cover.balls.len()
-        );
+        assert!(cover.gap <= gap, "{part}: {}", cover.balls.len());
+        assert!(cover.balls.len() > before, "{part}: {}", cover.balls.len());
         before = cover.balls.len();
         let balls = plain(&cover.balls);
         assert!((0..soup.triangles.len()).all(|t| contain(&balls, &soup.corners(t))));

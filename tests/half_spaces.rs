@@ -277,11 +277,8 @@ fn judge(seed: u64, count: usize) {
             (found.state, found.distance, found.lower, found.upper),
             "{told}"
         );
-        assert_eq!(
-            (other.point_on_a, other.point_on_b),
-            (found.point_on_b, found.point_on_a),
-            "{told}"
-        );
+        assert_eq!(other.point_on_a, found.point_on_b, "{told}");
+        assert_eq!(other.point_on_b, found.point_on_a, "{told}");
         let facing = pose.swapped();
         let turned = pose_of(&facing).rotation * -found.normal.into_inner();
         assert!((turned - other.normal.into_inner()).norm() < 1e-13, "{told}");
@@ -442,10 +439,8 @@ fn bezier_surfaces_have_an_interval() {
         let narrow = QueryOptions::default().width(1e-10);
         let mut tracker = PairTracker::new();
         let found = tracker.closest_with(&space, &surface, &at, &narrow);
-        assert!(
-            found.is_converged && found.upper - found.lower < 1.1e-10,
-            "{k} {found:?}"
-        );
+        assert!(found.is_converged, "{k} {found:?}");
+        assert!(found.upper - found.lower < 1.1e-10, "{k} {found:?}");
         let height = |u: f64, v: f64| {
             let p = Point3::from(pose.apply(patch.point(u, v).into()));
             space.normal().dot(&p.coords) - space.offset()
@@ -472,26 +467,17 @@ fn half_spaces_overlap_unless_their_normals_are_opposite() {
     let mut tracker = PairTracker::new();
     let still = RelativePose::from_isometry(&Isometry3::identity()).unwrap();
     let found = tracker.closest(&floor, &ceiling, &still);
-    assert_eq!(
-        (found.state, found.distance),
-        (ContactState::Separated, 3.0),
-        "{found:?}"
-    );
+    assert_eq!(found.state, ContactState::Separated, "{found:?}");
+    assert_eq!(found.distance, 3.0, "{found:?}");
     assert!(tracker.within(&floor, &ceiling, &still, 3.0) && !tracker.within(&floor, &ceiling, &still, 2.9));
     let lower = RelativePose::from_isometry(&Isometry3::translation(5.0, 1.0, -4.0)).unwrap();
     let found = tracker.closest(&floor, &ceiling, &lower);
-    assert_eq!(
-        (found.state, found.distance),
-        (ContactState::Overlapping, -1.0),
-        "{found:?}"
-    );
+    assert_eq!(found.state, ContactState::Overlapping, "{found:?}");
+    assert_eq!(found.distance, -1.0, "{found:?}");
     for other in [&wall, &floor] {
         let found = tracker.closest(&floor, other, &still);
-        assert_eq!(
-            (found.state, found.distance),
-            (ContactState::Overlapping, 0.0),
-            "{found:?}"
-        );
+        assert_eq!(found.state, ContactState::Overlapping, "{found:?}");
+        assert_eq!(found.distance, 0.0, "{found:?}");
         assert_eq!(found.lower, f64::NEG_INFINITY);
         assert!(tracker.intersects(&floor, other, &still));
     }
@@ -565,11 +551,8 @@ fn judge_casts(seed: u64, count: usize) {
             Impact::Hit { safe, hit, .. } => {
                 found_hits += 1;
                 assert!(safe < hit && height(hit) <= 1e-13 * by, "{told} {:e}", height(hit));
-                assert!(
-                    height(safe) >= -1e-13 * by && height(safe) <= 2e-7 * by,
-                    "{told} {:e}",
-                    height(safe)
-                );
+                assert!(height(safe) >= -1e-13 * by, "{told} {:e}", height(safe));
+                assert!(height(safe) <= 2e-7 * by, "{told} {:e}", height(safe));
                 safe
             }
             other => panic!("{other:?} {told}"),
@@ -633,10 +616,8 @@ fn bodies_at_rest_stand_on_their_contacts() {
             assert_eq!((groups.len(), groups[0].contacts.len()), (1, *count), "{told}");
             for contact in &groups[0].contacts {
                 let point = &contact.point;
-                assert!(
-                    (point.separation - sink).abs() < 1e-8 && point.point_on_a.z.abs() < 1e-8,
-                    "{told}"
-                );
+                assert!((point.separation - sink).abs() < 1e-8, "{told}");
+                assert!(point.point_on_a.z.abs() < 1e-8, "{told}");
                 let on_b = pose_of(&at) * point.point_on_b;
                 let off = (on_b - point.point_on_a - Vector3::z() * point.separation).norm();
                 assert!(off < 1e-12, "{told}");
@@ -658,10 +639,8 @@ fn bodies_at_rest_stand_on_their_contacts() {
                 .expect("contacts");
             assert_eq!(back[0].contacts.len(), *count);
             for (x, y) in back[0].contacts.iter().zip(&groups[0].contacts) {
-                assert_eq!(
-                    (x.point.point_on_a, x.point.point_on_b),
-                    (y.point.point_on_b, y.point.point_on_a)
-                );
+                assert_eq!(x.point.point_on_a, y.point.point_on_b);
+                assert_eq!(x.point.point_on_b, y.point.point_on_a);
                 assert_eq!(x.point.features, y.point.features.swapped());
                 assert!((x.normal.into_inner() + Vector3::z()).norm() < 1e-14);
             }
@@ -684,10 +663,8 @@ fn bodies_at_rest_stand_on_their_contacts() {
     let mut tracker = PairTracker::new();
     let groups = tracker.contacts(&floor, &can, &lying, &options).unwrap();
     let xs: Vec<f64> = groups[0].contacts.iter().map(|c| c.point.point_on_a.y.abs()).collect();
-    assert!(
-        xs.len() == 2 && xs.iter().all(|y| (y - 1.0).abs() < 1e-12),
-        "{groups:?}"
-    );
+    assert!(xs.len() == 2, "{groups:?}");
+    assert!(xs.iter().all(|y| (y - 1.0).abs() < 1e-12), "{groups:?}");
 }
 
 #[test]
@@ -709,10 +686,8 @@ fn rays_meet_the_plane() {
             RayCast::Miss => assert!(start > 0.0 && pace <= 1e-14),
             RayCast::Hit(hit) => {
                 let at = start / pace;
-                assert!(
-                    hit.safe <= at * (1.0 + 1e-13) && at <= hit.hit * (1.0 + 1e-13),
-                    "{hit:?} {at}"
-                );
+                assert!(hit.safe <= at * (1.0 + 1e-13), "{hit:?} {at}");
+                assert!(at <= hit.hit * (1.0 + 1e-13), "{hit:?} {at}");
                 assert!(hit.hit - hit.safe <= 1e-12 * by / pace + 1e-13 * at / pace, "{hit:?}");
                 assert!(height(hit.point).abs() <= 1e-12 * (by + at) && (hit.normal.into_inner() - n).norm() < 1e-12);
                 let short = caster.cast(&floor, &pose.isometry(), &ray, 0.99 * at).unwrap();
@@ -845,14 +820,11 @@ fn bad_half_spaces_are_refused() {
     for t in [[1e308, 0.0, 0.0], [-5e307; 3], [5e307; 3], [0.0; 3], [1e-320, 0.0, 0.0]] {
         let pose = RelativePose::from_isometry(&Pose::shift(t).isometry()).unwrap();
         let found = PairTracker::new().closest(&space, &ball, &pose);
-        assert!(
-            !found.lower.is_nan() && !found.upper.is_nan() && !found.distance.is_nan(),
-            "{found:?}"
-        );
-        assert!(
-            found.lower <= found.distance && found.distance <= found.upper,
-            "{found:?}"
-        );
+        assert!(!found.lower.is_nan(), "{found:?}");
+        assert!(!found.upper.is_nan(), "{found:?}");
+        assert!(!found.distance.is_nan(), "{found:?}");
+        assert!(found.lower <= found.distance, "{found:?}");
+        assert!(found.distance <= found.upper, "{found:?}");
     }
 }
 

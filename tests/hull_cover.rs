@@ -313,11 +313,8 @@ fn covers_of_a_ball_are_near_the_best() {
     for (faces, best) in [(4, 2.0), (6, 3f64.sqrt() - 1.0), (12, 0.2584), (32, 0.11)] {
         let cover = hull_outside(&ball, faces).expect("a cover");
         assert!(is_inside(&([0.0; 3], 1.0), &faces_of(&cover.hull)));
-        assert!(
-            cover.gap >= best - 1e-12 && cover.gap < 1.35 * best,
-            "{faces}: {}",
-            cover.gap
-        );
+        assert!(cover.gap >= best - 1e-12, "{faces}: {}", cover.gap);
+        assert!(cover.gap < 1.35 * best, "{faces}: {}", cover.gap);
         let query = PointQuery::new(&ball);
         let far = |p: Point3<f64>| query.signed_distance(&p).expect("a point").lower;
         assert!(cover.hull.vertex_points().map(far).all(|d| d <= cover.gap));
@@ -359,10 +356,8 @@ fn points_are_covered() {
     ] {
         let body = ConvexPolyhedron::point(point).expect("a point");
         let cover = hull_outside(&body, 6).expect("a cover");
-        assert!(
-            cover.hull.contains(&point) && cover.gap <= 1e-12 * point.coords.norm(),
-            "{cover:?}"
-        );
+        assert!(cover.hull.contains(&point), "{cover:?}");
+        assert!(cover.gap <= 1e-12 * point.coords.norm(), "{cover:?}");
     }
     let body = ConvexPolyhedron::point(Point3::origin()).expect("a point");
     let cover = hull_outside(&body, 4).expect("a cover");

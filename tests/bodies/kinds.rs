@@ -148,22 +148,19 @@ fn faults_of_faces_are_named() {
 fn points_and_segments() {
     let p = Point3::new(1e9, 2.0, -3.0);
     let point = ConvexPolyhedron::point(p).unwrap();
-    assert_eq!(
-        (point.vertex_count(), point.edge_count(), point.face_count()),
-        (1, 0, 0)
-    );
-    assert_eq!(
-        (point.centroid(), point.volume(), point.bounding_ball()),
-        (p, 0.0, (p, 0.0))
-    );
+    assert_eq!(point.vertex_count(), 1);
+    assert_eq!(point.edge_count(), 0);
+    assert_eq!(point.face_count(), 0);
+    assert_eq!(point.centroid(), p);
+    assert_eq!(point.volume(), 0.0);
+    assert_eq!(point.bounding_ball(), (p, 0.0));
     assert_eq!(point.closest_point(&Point3::origin()), Some(p));
     assert!(point.contains(&p) && !point.contains(&Point3::origin()));
     let q = p + Vector3::new(0.5, 1.0, 2.0);
     let segment = ConvexPolyhedron::segment(p, q).unwrap();
-    assert_eq!(
-        (segment.vertex_count(), segment.edge_count(), segment.face_count()),
-        (2, 1, 0)
-    );
+    assert_eq!(segment.vertex_count(), 2);
+    assert_eq!(segment.edge_count(), 1);
+    assert_eq!(segment.face_count(), 0);
     assert!(segment.contains(&nalgebra::center(&p, &q)) && !segment.contains(&Point3::new(p.x, p.y, q.z)));
     assert_eq!(segment.centroid(), nalgebra::center(&p, &q));
     assert!(
@@ -197,15 +194,13 @@ fn polygons() {
     for (scale, shift) in [(1.0, 0.0), (2f64.powi(-300), 0.0), (1.0, 4096.0)] {
         let placed: Points = corners.iter().map(|p| (p * scale) + Vector3::repeat(shift)).collect();
         let polygon = ConvexPolyhedron::polygon(&placed).unwrap();
-        assert_eq!(
-            (polygon.vertex_count(), polygon.edge_count(), polygon.face_count()),
-            (4, 4, 2)
-        );
+        assert_eq!(polygon.vertex_count(), 4);
+        assert_eq!(polygon.edge_count(), 4);
+        assert_eq!(polygon.face_count(), 2);
         let report = polygon.report();
-        assert_eq!(
-            (report.on_edges.len(), &report.on_faces[..], report.duplicates.len()),
-            (2, &[4u32][..], 1)
-        );
+        assert_eq!(report.on_edges.len(), 2);
+        assert_eq!(&report.on_faces[..], &[4u32][..]);
+        assert_eq!(report.duplicates.len(), 1);
         let front = polygon
             .face_plane(FaceId::clone(&polygon.faces().next().unwrap()))
             .unwrap()
@@ -389,10 +384,8 @@ fn exactly_planar_faces_need_no_room() {
         let (vertices, faces) = truth::contacts::plain(&body);
         let mut vertices: Vec<_> = vertices.into_iter().map(Point3::from).collect();
         let again = ConvexPolyhedron::from_faces_within(&vertices, &faces, 0.0).unwrap();
-        assert_eq!(
-            (again.face_count(), again.report().non_planarity),
-            (body.face_count(), 0.0)
-        );
+        assert_eq!(again.face_count(), body.face_count());
+        assert_eq!(again.report().non_planarity, 0.0);
         let Some(large) = faces.iter().find(|f| f.len() > 3) else {
             continue;
         };

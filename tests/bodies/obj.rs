@@ -42,10 +42,8 @@ fn bodies_survive_a_file() {
             let (vertices, faces) = read(&mesh.to_obj());
             let triangles: Vec<[u32; 3]> = faces.iter().map(|f| [0, 1, 2].map(|k| f[k] as u32)).collect();
             let again = Mesh::new(&vertices, &triangles).expect("a mesh");
-            assert_eq!(
-                (again.kind(), again.triangle_count()),
-                (mesh.kind(), mesh.triangle_count())
-            );
+            assert_eq!(again.kind(), mesh.kind());
+            assert_eq!(again.triangle_count(), mesh.triangle_count());
             assert_eq!(again.aabb(), mesh.aabb());
         }
     }

@@ -24,10 +24,8 @@ fn mass_properties_match_closed_forms() {
     assert!((tetrahedron.centroid() - Point3::new(0.5, 0.75, 1.0)).norm() < 1e-15);
     // tetrahedron at a vertex with legs a, b, c: xx = 3 V (b^2 + c^2) / 80, xy = V a b / 80
     let i = tetrahedron.inertia();
-    assert!(
-        (i[(0, 0)] - 4.0 * 3.0 * 25.0 / 80.0).abs() < 1e-14 && (i[(0, 1)] - 4.0 * 6.0 / 80.0).abs() < 1e-14,
-        "{i}"
-    );
+    assert!((i[(0, 0)] - 4.0 * 3.0 * 25.0 / 80.0).abs() < 1e-14, "{i}");
+    assert!((i[(0, 1)] - 4.0 * 6.0 / 80.0).abs() < 1e-14, "{i}");
     let sphere = solids::geodesic_sphere(5, 1.0).unwrap();
     assert!((sphere.volume() / (4.0 / 3.0 * std::f64::consts::PI) - 1.0).abs() < 1e-3);
     assert!((sphere.inertia()[(1, 1)] / (0.4 * sphere.volume()) - 1.0).abs() < 1e-3);

@@ -10,10 +10,9 @@ use truth::tally::Tally;
 fn play(sequences: u64, make: impl Fn() -> SweepAndPrune) {
     let mix = played(0..sequences, |seed| sequence(seed, make()));
     let n = sequences;
-    assert!(
-        mix.pairs > 20 * n && mix.events > 5 * n && mix.steps > 10 * n,
-        "{mix:?}"
-    );
+    assert!(mix.pairs > 20 * n, "{mix:?}");
+    assert!(mix.events > 5 * n, "{mix:?}");
+    assert!(mix.steps > 10 * n, "{mix:?}");
     assert!(
         mix.jumps > n && mix.slides > n && mix.reused > n / 4 && mix.turns > n / 4 && mix.quiet > 2 * n,
         "{mix:?}"

@@ -48,10 +48,8 @@ fn check(seed: u64) {
         ];
         for (k, found) in answers.iter().enumerate() {
             let what = format!("{what}, answer {k}: {found:?} for {:e}..{:e}", truth.lower, truth.upper);
-            assert!(
-                found.lower <= truth.upper + noise && found.upper >= truth.lower - noise,
-                "{what}"
-            );
+            assert!(found.lower <= truth.upper + noise, "{what}");
+            assert!(found.upper >= truth.lower - noise, "{what}");
             assert!(
                 found.upper.max(0.0) - found.lower.max(0.0) <= truth.upper - truth.lower + 1e-11 * size,
                 "{what}"
@@ -174,10 +172,8 @@ fn elements_inside_of_a_mesh_overlap_it() {
         assert_eq!(answer, is_inside);
         assert!(tracker.within(&cloud, &sphere, &pose.swapped(), gap + 0.2));
         let distance = tracker.distance(&sphere, &cloud, &pose);
-        assert!(
-            distance.lower <= gap + 0.2 && distance.upper >= gap - 0.2,
-            "{distance:?}"
-        );
+        assert!(distance.lower <= gap + 0.2, "{distance:?}");
+        assert!(distance.upper >= gap - 0.2, "{distance:?}");
         assert!(!is_inside || distance.upper <= 0.0, "{distance:?}");
     }
 }
@@ -192,19 +188,16 @@ fn depths_are_bounded() {
     let die = solids::cuboid(Vector3::repeat(0.5)).unwrap();
     let pose = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.0, 0.55)).unwrap();
     let found = PairTracker::new().penetration(&floor, &die, &pose).unwrap();
-    assert!(
-        found.lower > 0.04999 && found.lower <= found.upper && found.upper < 0.0502,
-        "{found:?}"
-    );
+    assert!(found.lower > 0.04999, "{found:?}");
+    assert!(found.lower <= found.upper, "{found:?}");
+    assert!(found.upper < 0.0502, "{found:?}");
     let found = PairTracker::new().penetration(&die, &floor, &pose.swapped()).unwrap();
-    assert!(
-        found.lower > 0.04999 && found.lower <= found.upper && found.upper < 0.0502,
-        "{found:?}"
-    );
+    assert!(found.lower > 0.04999, "{found:?}");
+    assert!(found.lower <= found.upper, "{found:?}");
+    assert!(found.upper < 0.0502, "{found:?}");
     let mesh = Mesh::from_convex(&die).unwrap();
     let found = PairTracker::new().penetration(&floor, &mesh, &pose).unwrap();
-    assert!(
-        found.lower > 0.04999 && found.lower <= found.upper && found.upper < 0.0502,
-        "{found:?}"
-    );
+    assert!(found.lower > 0.04999, "{found:?}");
+    assert!(found.lower <= found.upper, "{found:?}");
+    assert!(found.upper < 0.0502, "{found:?}");
 }

@@ -38,10 +38,9 @@ fn rays_hit_the_elements() {
         .cast(&floor, &Isometry3::identity(), &ray, f64::INFINITY)
         .unwrap();
     let RayCast::Hit(hit) = found else { panic!("{found:?}") };
-    assert!(
-        hit.safe <= 3.9 && hit.hit >= 3.9 - 1e-12 && hit.hit - hit.safe < 1e-9,
-        "{hit:?}"
-    );
+    assert!(hit.safe <= 3.9, "{hit:?}");
+    assert!(hit.hit >= 3.9 - 1e-12, "{hit:?}");
+    assert!(hit.hit - hit.safe < 1e-9, "{hit:?}");
     let at = floor.point(hit.subshape as usize).unwrap();
     assert!((at - Point3::new(0.3, 0.5, 0.0)).norm() < 1e-9);
     let aside = Ray::new(Point3::new(2.2, 0.0, 4.0), -Vector3::z()).unwrap();
@@ -152,13 +151,11 @@ fn surfaces_measure_clouds() {
     let surface = BezierSurface::from_mesh(&mesh).unwrap();
     let pose = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.0, 1.6)).unwrap();
     let found = PairTracker::new().closest(&floor(), &surface, &pose);
-    assert!(
-        found.lower <= 1.0 + 1e-12 && found.upper >= 1.0 - 1e-12 && found.upper - found.lower < 1e-6,
-        "{found:?}"
-    );
+    assert!(found.lower <= 1.0 + 1e-12, "{found:?}");
+    assert!(found.upper >= 1.0 - 1e-12, "{found:?}");
+    assert!(found.upper - found.lower < 1e-6, "{found:?}");
     let found = PairTracker::new().closest(&surface, &floor(), &pose.swapped());
-    assert!(
-        found.lower <= 1.0 + 1e-12 && found.upper >= 1.0 - 1e-12 && found.upper - found.lower < 1e-6,
-        "{found:?}"
-    );
+    assert!(found.lower <= 1.0 + 1e-12, "{found:?}");
+    assert!(found.upper >= 1.0 - 1e-12, "{found:?}");
+    assert!(found.upper - found.lower < 1e-6, "{found:?}");
 }

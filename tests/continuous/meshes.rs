@@ -84,14 +84,11 @@ pub(crate) fn judge(impact: &Impact, a: [&Soup; 2], b: [&Soup; 2], is_self: bool
             1
         }
         (Impact::Hit { safe, hit, seen }, Some([low, high])) if high > 0.0 => {
-            assert!(
-                hit - safe <= WIDTH && *safe < high && low < *hit,
-                "{what}: {impact:?} {low} {high}"
-            );
-            assert!(
-                seen.state == ContactState::Separated && seen.lower <= seen.upper,
-                "{what}: {impact:?}"
-            );
+            assert!(hit - safe <= WIDTH, "{what}: {impact:?} {low} {high}");
+            assert!(*safe < high, "{what}: {impact:?} {low} {high}");
+            assert!(low < *hit, "{what}: {impact:?} {low} {high}");
+            assert!(seen.state == ContactState::Separated, "{what}: {impact:?}");
+            assert!(seen.lower <= seen.upper, "{what}: {impact:?}");
             // The reported triangles meet in the bracket, or after its start and before its end.
             let Truth::At(from, to) = named(seen.subshapes) else {
                 panic!("{what}: {impact:?} does not meet")

@@ -308,9 +308,7 @@ fn rounded_polyhedra_have_the_contacts_of_their_cores() {
     .unwrap();
     assert_eq!(manifold.points().len(), 2);
     for p in manifold.points() {
-        assert!(
-            (p.separation - 0.005).abs() < 1e-14 && (p.point_on_a.x - 0.25).abs() < 1e-14,
-            "{p:?}"
-        );
+        assert!((p.separation - 0.005).abs() < 1e-14, "{p:?}");
+        assert!((p.point_on_a.x - 0.25).abs() < 1e-14, "{p:?}");
     }
 }

@@ -48,11 +48,9 @@ fn overlaps_have_sound_depths() {
             let o = closest(&a.shape(), &b.shape(), &place);
             let size = place.size(&a, &b);
             let told = || format!("{a:?}\n{b:?}\n{place:?}\n{push} {o:?}");
-            assert!(
-                o.lower <= o.distance && o.distance <= o.upper && o.upper.is_finite(),
-                "{}",
-                told()
-            );
+            assert!(o.lower <= o.distance, "{}", told());
+            assert!(o.distance <= o.upper, "{}", told());
+            assert!(o.upper.is_finite(), "{}", told());
             // Any direction is a lower bound; the returned one proves the lower bound.
             let s = sampled(&a, &b, &place, &mut rng);
             assert!(s <= o.upper + 1e-15 * size, "the depth is overstated: {s} {}", told());
@@ -82,10 +80,9 @@ fn overlaps_have_sound_depths() {
         }
     }
     println!("overlaps: {closed} to 1e-13 L, {wide_ones} to an interval, {open} open");
-    assert!(
-        closed > 60 && wide_ones > 30 && open == 0,
-        "{closed} {wide_ones} {open}"
-    );
+    assert!(closed > 60, "{closed} {wide_ones} {open}");
+    assert!(wide_ones > 30, "{closed} {wide_ones} {open}");
+    assert!(open == 0, "{closed} {wide_ones} {open}");
 }
 
 /// Asserts that two intervals overlap.
@@ -112,10 +109,8 @@ fn a_ball_is_an_ellipsoid_and_rounding_is_free() {
         meet(&o, &p, "a ball");
         let grown = other.rounded(0.25).expect("a radius");
         let q = closest(&round, &grown, &place);
-        assert!(
-            q.lower <= p.upper - 0.25 + 1e-13 && p.lower - 0.25 <= q.upper + 1e-13,
-            "{p:?} {q:?}"
-        );
+        assert!(q.lower <= p.upper - 0.25 + 1e-13, "{p:?} {q:?}");
+        assert!(p.lower - 0.25 <= q.upper + 1e-13, "{p:?} {q:?}");
     }
 }
 
@@ -245,11 +240,9 @@ fn scales_are_no_matter() {
                 ..place
             };
             let p = closest(&shape(s), &solid(s), &far);
-            assert_eq!(
-                (p.distance, p.lower, p.upper),
-                (o.distance * s, o.lower * s, o.upper * s),
-                "{e}"
-            );
+            assert_eq!(p.distance, o.distance * s, "{e}");
+            assert_eq!(p.lower, o.lower * s, "{e}");
+            assert_eq!(p.upper, o.upper * s, "{e}");
         }
         for s in [1e-90, 1e-60, 1e60, 1e90] {
             let far = Place {
@@ -258,17 +251,15 @@ fn scales_are_no_matter() {
             };
             let p = closest(&shape(s), &solid(s), &far);
             let off = (p.distance / s - o.distance).abs();
-            assert!(
-                off < 1e-13 && p.state == o.state && p.upper - p.lower <= 1e-12 * s,
-                "{s} {o:?} {p:?}"
-            );
+            assert!(off < 1e-13, "{s} {o:?} {p:?}");
+            assert!(p.state == o.state, "{s} {o:?} {p:?}");
+            assert!(p.upper - p.lower <= 1e-12 * s, "{s} {o:?} {p:?}");
             // A tiny shape next to a shape of ordinary size, and shapes far from each other.
             for (a, b) in [(shape(s), solid(1.0)), (solid(s), shape(1.0)), (shape(s), shape(1.0))] {
                 let q = closest(&a, &b, &place);
-                assert!(
-                    q.lower <= q.distance && q.distance <= q.upper && q.upper.is_finite(),
-                    "{s} {q:?}"
-                );
+                assert!(q.lower <= q.distance, "{s} {q:?}");
+                assert!(q.distance <= q.upper, "{s} {q:?}");
+                assert!(q.upper.is_finite(), "{s} {q:?}");
                 let expected = if s < 1.0 {
                     ContactState::Separated
                 } else {

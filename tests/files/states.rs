@@ -115,10 +115,8 @@ fn truth(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> [f6
 
 /// Asserts that an interval may contain the distance.
 fn holds([lower, upper]: [f64; 2], truth: [f64; 2], what: &str) {
-    assert!(
-        lower <= truth[1] && upper >= truth[0],
-        "{what}: [{lower}, {upper}] for {truth:?}"
-    );
+    assert!(lower <= truth[1], "{what}: [{lower}, {upper}] for {truth:?}");
+    assert!(upper >= truth[0], "{what}: [{lower}, {upper}] for {truth:?}");
 }
 
 /// Poses that start where a state was stored and end elsewhere.
@@ -167,10 +165,8 @@ fn a_manifold_that_was_read_answers_no_stored_bound() {
                 manifold = Value::serialized(&manifold)
                     .and_then(|v| v.deserialized())
                     .expect("reads");
-                assert!(
-                    manifold.lower() == f64::NEG_INFINITY && manifold.upper() == f64::INFINITY,
-                    "{what}"
-                );
+                assert!(manifold.lower() == f64::NEG_INFINITY, "{what}");
+                assert!(manifold.upper() == f64::INFINITY, "{what}");
             }
         });
         (0..2).for_each(|k| sums[k] += counts[k]);
@@ -383,10 +379,8 @@ fn scenes(most: usize) {
             sum += judged;
         });
         println!("{counts:?}, {least} to {judged} answers");
-        assert!(
-            counts[0] > most.min(10_000) / 10 && sum > counts[0] * judged / 3,
-            "{counts:?} {sum}"
-        );
+        assert!(counts[0] > most.min(10_000) / 10, "{counts:?} {sum}");
+        assert!(sum > counts[0] * judged / 3, "{counts:?} {sum}");
     }
 }
 
@@ -436,10 +430,8 @@ fn motions_that_were_read_follow_their_numbers() {
     let steady = Steady::new(&from, Velocity::new(Vector3::x(), Vector3::z())).expect("a motion");
     let counts = changed(&steady, usize::MAX, |read: Steady, what| {
         let pose = read.pose(0.25);
-        assert!(
-            (pose.rotation.norm() - 1.0).abs() < 1e-9 && pose.translation.vector.iter().all(|x| x.is_finite()),
-            "{what}"
-        );
+        assert!((pose.rotation.norm() - 1.0).abs() < 1e-9, "{what}");
+        assert!(pose.translation.vector.iter().all(|x| x.is_finite()), "{what}");
         let again: Steady = Value::serialized(&read).and_then(|v| v.deserialized()).expect("reads");
         assert_eq!(again.pose(0.25), pose, "{what}");
     });

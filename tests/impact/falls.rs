@@ -48,10 +48,9 @@ fn round_bodies_fall_onto_each_other() {
                 let Impact::Hit { safe, hit, .. } = found.impact else {
                     panic!("{kind} until {until}, {is_named}, {truth}: {found:?}")
                 };
-                assert!(
-                    safe <= truth && truth - 1e-12 <= hit && hit - safe < 1e-5,
-                    "{kind} {truth} {found:?}"
-                );
+                assert!(safe <= truth, "{kind} {truth} {found:?}");
+                assert!(truth - 1e-12 <= hit, "{kind} {truth} {found:?}");
+                assert!(hit - safe < 1e-5, "{kind} {truth} {found:?}");
                 assert!(found.queries < 150, "{kind} until {until}, {is_named}: {found:?}");
             });
         }
@@ -105,10 +104,9 @@ fn every_kind_falls_and_is_never_late() {
         });
     }
     eprintln!("{cases} casts: {hits} hits, {misses} misses, {open} open");
-    assert!(
-        hits > 40 && misses > 40 && open <= 2,
-        "{hits} hits, {misses} misses, {open} open"
-    );
+    assert!(hits > 40, "{hits} hits, {misses} misses, {open} open");
+    assert!(misses > 40, "{hits} hits, {misses} misses, {open} open");
+    assert!(open <= 2, "{hits} hits, {misses} misses, {open} open");
 }
 
 /// The time for which an overlap or a distance holds under gravity: at most the closed form, and
@@ -127,10 +125,8 @@ fn holds_are_most_of_what_there_is() {
             let truth = f64::min(until, (2.0 * way / 9.81f64).sqrt());
             bodies.each(|kind, pair| {
                 let held = overlapping_until(pair, &Fall::still(), &fall, 0.0..until, way).expect("an answer");
-                assert!(
-                    held <= truth && held > 0.7 * truth,
-                    "{kind}, {way} until {until}: {held} {truth}"
-                );
+                assert!(held <= truth, "{kind}, {way} until {until}: {held} {truth}");
+                assert!(held > 0.7 * truth, "{kind}, {way} until {until}: {held} {truth}");
             });
         }
     }

@@ -123,10 +123,8 @@ fn bodies_carried_along_never_meet() {
         if Judge::new([&a, &b], throw, String::new()).meets(&mut lin_canny::Tracker::new(), 0.0) {
             continue;
         }
-        assert!(
-            found.impact == Impact::Miss && found.queries <= 3,
-            "carried {k}: {found:?}"
-        );
+        assert!(found.impact == Impact::Miss, "carried {k}: {found:?}");
+        assert!(found.queries <= 3, "carried {k}: {found:?}");
         let alike = Velocity::new(Vector3::from(rng.in_ball()) * 50.0, Vector3::zeros());
         let away = Velocity::new(alike.linear + Vector3::x(), Vector3::zeros());
         for velocity in [[alike, alike], [alike, away]] {
@@ -156,10 +154,9 @@ fn gears_turn_a_hair_apart() {
         };
         Judge::new([&gear, &gear], throw, format!("gears {k}")).cast(FINE, 2000, 100.0, &mut tally);
     }
-    assert!(
-        tally.hits > 10 && tally.misses > 0 && tally.near + tally.unknown == 0,
-        "{tally:?}"
-    );
+    assert!(tally.hits > 10, "{tally:?}");
+    assert!(tally.misses > 0, "{tally:?}");
+    assert!(tally.near + tally.unknown == 0, "{tally:?}");
 }
 
 /// Bisection between a hit and a miss: the grazing motion, to the last bits.
@@ -276,10 +273,9 @@ fn within_a_distance() {
         let Impact::Hit { safe, hit, .. } = found.impact else {
             panic!("{found:?}")
         };
-        assert!(
-            safe <= expected && expected <= hit + 1e-15 && hit - safe < 1e-9,
-            "{safe} {expected} {hit}"
-        );
+        assert!(safe <= expected, "{safe} {expected} {hit}");
+        assert!(expected <= hit + 1e-15, "{safe} {expected} {hit}");
+        assert!(hit - safe < 1e-9, "{safe} {expected} {hit}");
     }
     let mut tracker = Tracker::new();
     let mut pair = tracker.pair(&cube, &cube);

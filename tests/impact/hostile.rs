@@ -187,10 +187,8 @@ fn an_interval_without_length_is_an_instant() {
                     starts += 1;
                 }
                 Impact::Miss => {
-                    assert!(
-                        distance < seen.lower && distance < gap,
-                        "{kind} {k}: {found:?} {seen:?}"
-                    );
+                    assert!(distance < seen.lower, "{kind} {k}: {found:?} {seen:?}");
+                    assert!(distance < gap, "{kind} {k}: {found:?} {seen:?}");
                     misses += 1;
                 }
                 Impact::Undecided { safe, .. } => {

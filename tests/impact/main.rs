@@ -95,10 +95,9 @@ fn still(rng: &mut Rng, throw: &mut Throw) {
 fn casts_are_never_late_and_never_miss() {
     let tally = throws(1905, 20_000, 100);
     eprintln!("{tally:?}");
-    assert!(
-        tally.hits > 6_000 && tally.misses > 5_000 && tally.starts > 20,
-        "{tally:?}"
-    );
+    assert!(tally.hits > 6_000, "{tally:?}");
+    assert!(tally.misses > 5_000, "{tally:?}");
+    assert!(tally.starts > 20, "{tally:?}");
     assert!(tally.near + tally.unknown <= 2, "{tally:?}");
     let [slow, fast] = tally.medians();
     assert!(slow <= 5 && fast <= 7, "queries a hit: {slow} {fast}");

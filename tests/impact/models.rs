@@ -168,10 +168,9 @@ fn sweeps_keep_to_their_courses_and_ends() {
                 < 1e-14
         );
     }
-    assert!(
-        lerps.whole > 0.3 && lerps.way > 0.9 && slerps.way > 0.9,
-        "{lerps:?} {slerps:?}"
-    );
+    assert!(lerps.whole > 0.3, "{lerps:?} {slerps:?}");
+    assert!(lerps.way > 0.9, "{lerps:?} {slerps:?}");
+    assert!(slerps.way > 0.9, "{lerps:?} {slerps:?}");
 }
 
 #[test]
@@ -220,10 +219,8 @@ fn numbers_that_are_no_motion_are_refused() {
     ));
     assert!(Steady::screw(&one, &Point3::origin(), &Vector3::zeros(), 1.0, 1.0).is_err());
     let rest = Steady::new(&one, Velocity::default()).expect("rest is a motion");
-    assert!(
-        rest.with_acceleration_bounds(-1.0, 0.0).is_err()
-            && rest.with_acceleration(Vector3::repeat(f64::INFINITY)).is_err()
-    );
+    assert!(rest.with_acceleration_bounds(-1.0, 0.0).is_err());
+    assert!(rest.with_acceleration(Vector3::repeat(f64::INFINITY)).is_err());
     let long = Isometry3::from_parts(
         Translation3::identity(),
         UnitQuaternion::new_unchecked(Quaternion::new(1.1, 0.0, 0.0, 0.0)),

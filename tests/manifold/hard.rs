@@ -60,10 +60,9 @@ fn hard_bodies_get_sound_manifolds_whichever_is_named_first() {
         }
     }
     assert!(classes[0] > 100 && classes[2] > 1000, "{classes:?}");
-    assert!(
-        counts[0] > 50 && counts[1] > 500 && counts[4..].iter().sum::<u32>() > 50,
-        "{counts:?}"
-    );
+    assert!(counts[0] > 50, "{counts:?}");
+    assert!(counts[1] > 500, "{counts:?}");
+    assert!(counts[4..].iter().sum::<u32>() > 50, "{counts:?}");
     assert!(alike > 500, "{alike}");
 }
 

@@ -94,11 +94,8 @@ pub(crate) fn judge(
         assert!(p.separation <= o.prediction.max(m.upper()) + 1e-14 * size, "{}", told());
     }
     let deepest = m.deepest().expect("not empty").separation;
-    assert!(
-        deepest >= outcome.lower - 1e-14 * size && deepest <= outcome.upper + 1e-14 * size,
-        "{deepest:e} {}",
-        told()
-    );
+    assert!(deepest >= outcome.lower - 1e-14 * size, "{deepest:e} {}", told());
+    assert!(deepest <= outcome.upper + 1e-14 * size, "{deepest:e} {}", told());
     for (k, p) in m.points().iter().enumerate() {
         assert!(m.points()[..k].iter().all(|q| q.id != p.id), "{}", told());
     }

@@ -207,10 +207,8 @@ fn rays_enter_bent_meshes_where_brute_force_says() {
                         match found {
                             RayCast::Miss => assert!(distance > 10.0, "{way} {frame} {distance}"),
                             RayCast::Hit(hit) => {
-                                assert!(
-                                    hit.safe - 1e-9 < distance && distance < hit.hit + 1e-9,
-                                    "{way} {frame} {hit:?} {distance}"
-                                );
+                                assert!(hit.safe - 1e-9 < distance, "{way} {frame} {hit:?} {distance}");
+                                assert!(distance < hit.hit + 1e-9, "{way} {frame} {hit:?} {distance}");
                                 let place = Point::from(pose.isometry().inverse_transform_point(&hit.point));
                                 let off = sub(place, add(from, scale(sub(to, from), distance / length)));
                                 assert!(truth::pose::norm(off) < 1e-8, "{way} {frame} {hit:?}");
@@ -252,10 +250,8 @@ fn depths_and_contacts_of_bent_meshes_are_those_of_meshes_built_anew() {
                 for depth in found {
                     assert_eq!(depth.is_some(), cold.is_some(), "{what}");
                     let Some((p, q)) = depth.zip(cold) else { continue };
-                    assert!(
-                        p.lower <= q.upper + 1e-9 && q.lower <= p.upper + 1e-9,
-                        "{what}: {p:?} {q:?}"
-                    );
+                    assert!(p.lower <= q.upper + 1e-9, "{what}: {p:?} {q:?}");
+                    assert!(q.lower <= p.upper + 1e-9, "{what}: {p:?} {q:?}");
                     depths += usize::from(q.upper > 0.0);
                 }
                 let options = within(0.05);
@@ -281,10 +277,9 @@ fn depths_and_contacts_of_bent_meshes_are_those_of_meshes_built_anew() {
             }
         }
     }
-    assert!(
-        depths > 50 && points > 100 && shallow > 5,
-        "{depths} {points} {shallow}"
-    );
+    assert!(depths > 50, "{depths} {points} {shallow}");
+    assert!(points > 100, "{depths} {points} {shallow}");
+    assert!(shallow > 5, "{depths} {points} {shallow}");
 }
 
 #[test]
@@ -309,17 +304,14 @@ fn a_surface_is_as_far_from_a_bent_mesh_as_from_one_built_anew() {
                 PairTracker::new().closest(&m, &surface, &at),
             ];
             for answer in found {
-                assert!(
-                    answer.lower <= fresh.upper + 1e-12 && fresh.lower <= answer.upper + 1e-12,
-                    "{k} {frame} {answer:?} {fresh:?}"
-                );
+                assert!(answer.lower <= fresh.upper + 1e-12, "{k} {frame} {answer:?} {fresh:?}");
+                assert!(fresh.lower <= answer.upper + 1e-12, "{k} {frame} {answer:?} {fresh:?}");
                 assert_eq!(answer.state, fresh.state, "{k} {frame} {answer:?} {fresh:?}");
             }
             apart += usize::from(fresh.state == ContactState::Separated);
             let d = fresh.upper.max(0.0) + 1e-9;
-            assert!(
-                there.decide(&m, &surface, &at, d).is_yes() && back.decide(&surface, &m, &at.swapped(), d).is_yes()
-            );
+            assert!(there.decide(&m, &surface, &at, d).is_yes());
+            assert!(back.decide(&surface, &m, &at.swapped(), d).is_yes());
         }
     }
     assert!(apart > 10, "{apart}");

@@ -92,11 +92,8 @@ fn boxes_with_coplanar_faces_overlap() {
         for t in [[1.0, 0.0, 0.0], [1.0, 0.5, 0.0], [1.0, 1.0, 0.25], [1.0, 1.0, 1.0]] {
             let mut tracker = PairTracker::new();
             let found = tracker.closest(&m, &k, &relative(&Pose::shift(t)));
-            assert_eq!(
-                (found.state, found.distance),
-                (ContactState::Touching, 0.0),
-                "{n} {t:?}"
-            );
+            assert_eq!(found.state, ContactState::Touching, "{n} {t:?}");
+            assert_eq!(found.distance, 0.0, "{n} {t:?}");
             assert!(tracker.intersects(&m, &k, &relative(&Pose::shift(t))));
             let beyond = t.map(|x| if x == 1.0 { 1.0 + 1e-15 } else { x });
             assert!(

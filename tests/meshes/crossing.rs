@@ -92,10 +92,8 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
             PairTracker::new().penetration(&a, &pieces, &at).unwrap(),
         ];
         for (o, ratios) in found.iter().zip([&mut coarse, &mut cut, &mut mixed]) {
-            assert!(
-                o.lower <= -truth.lower + 1e-12 && o.upper >= -truth.upper - 1e-12,
-                "{k} {o:?} {truth:?}"
-            );
+            assert!(o.lower <= -truth.lower + 1e-12, "{k} {o:?} {truth:?}");
+            assert!(o.upper >= -truth.upper - 1e-12, "{k} {o:?} {truth:?}");
             ratios.push(o);
         }
         check(&found[0], &pose, &mut rng, |p| {

@@ -85,14 +85,10 @@ fn gaps_are_bracketed() {
             let p = a + (b - a) * u + (c - a) * v;
             shortfall = shortfall.max(other.distance(d.pieces(), &dot(p), &still).value);
         }
-        assert!(
-            excess <= fit.excess_upper && shortfall <= fit.shortfall_upper,
-            "{excess} {shortfall} {fit}"
-        );
-        assert!(
-            excess >= 0.3 * fit.excess_lower && shortfall >= 0.3 * fit.shortfall_lower,
-            "{excess} {shortfall} {fit}"
-        );
+        assert!(excess <= fit.excess_upper, "{excess} {shortfall} {fit}");
+        assert!(shortfall <= fit.shortfall_upper, "{excess} {shortfall} {fit}");
+        assert!(excess >= 0.3 * fit.excess_lower, "{excess} {shortfall} {fit}");
+        assert!(shortfall >= 0.3 * fit.shortfall_lower, "{excess} {shortfall} {fit}");
         assert!(fit.excess_upper - fit.excess_lower < 0.01, "{fit}");
         assert!(fit.shortfall_upper - fit.shortfall_lower < 0.01, "{fit}");
         let found = speck
@@ -120,10 +116,8 @@ fn distances_are_intervals_that_hold_for_the_mesh() {
                 let pose = Pose::new(rng.quat(), scale(rng.unit(), rng.range(0.0, 3.0)));
                 let found = d.distance(&mut pair, other, &relative(&pose));
                 let truth = exact.distance(&m, other, &relative(&pose));
-                assert!(
-                    found.lower <= truth.upper && truth.lower <= found.upper,
-                    "{k} {found:?} {truth:?}"
-                );
+                assert!(found.lower <= truth.upper, "{k} {found:?} {truth:?}");
+                assert!(truth.lower <= found.upper, "{k} {found:?} {truth:?}");
                 assert!((found.lower..=found.upper).contains(&found.value), "{k} {found:?}");
                 match found.state {
                     ContactState::Separated => apart += 1,
@@ -149,17 +143,13 @@ fn a_body_that_the_mesh_holds_and_the_pieces_do_not_is_found() {
     };
     let walls = (0..6).map(|k| wall(k / 2, if k % 2 == 0 { 1.0 } else { -1.0 }));
     let d = Decomposition::new(cube.clone(), Compound::new(walls.collect()).unwrap()).unwrap();
-    assert!(
-        d.fit().shortfall_upper < 0.01 && d.fit().excess_upper < 0.01,
-        "{}",
-        d.fit()
-    );
+    assert!(d.fit().shortfall_upper < 0.01, "{}", d.fit());
+    assert!(d.fit().excess_upper < 0.01, "{}", d.fit());
     let pebble = mesh(&soups::sphere(1).map(|p| scale(p, 0.2)));
     let found = d.distance(&mut PairTracker::new(), &pebble, &relative(&Pose::IDENTITY));
-    assert_eq!(
-        (found.state, found.lower, found.upper),
-        (ContactState::Overlapping, 0.0, 0.0)
-    );
+    assert_eq!(found.state, ContactState::Overlapping);
+    assert_eq!(found.lower, 0.0);
+    assert_eq!(found.upper, 0.0);
     // The opposite case: another body contains both.
     let big = mesh(&soups::sphere(2).map(|p| scale(p, 9.0)));
     let found = d.distance(&mut PairTracker::new(), &big, &relative(&Pose::IDENTITY));
@@ -200,11 +190,8 @@ fn check_grown(m: &Mesh, pieces: Compound, every: usize, rng: &mut Rng, told: &s
     let before = Decomposition::new(m.clone(), pieces).unwrap();
     let after = before.grown().unwrap();
     let radius = before.fit().shortfall_upper;
-    assert_eq!(
-        (after.fit().shortfall_lower, after.fit().shortfall_upper),
-        (0.0, 0.0),
-        "{told}"
-    );
+    assert_eq!(after.fit().shortfall_lower, 0.0, "{told}");
+    assert_eq!(after.fit().shortfall_upper, 0.0, "{told}");
     assert!(after.fit().excess_upper >= before.fit().excess_upper + radius, "{told}");
     let all: Vec<_> = after.pieces().pieces().iter().map(data).collect();
     let mut farthest = 0.0f64;
@@ -287,10 +274,8 @@ fn distances_of_grown_pieces_hold_for_the_mesh() {
             let pose = Pose::new(rng.quat(), scale(rng.unit(), rng.range(0.0, 4.0)));
             let found = grown.distance(&mut pair, &other, &relative(&pose));
             let truth = exact.distance(&m, &other, &relative(&pose));
-            assert!(
-                found.lower <= truth.upper && truth.lower <= found.upper,
-                "{found:?} {truth:?}"
-            );
+            assert!(found.lower <= truth.upper, "{found:?} {truth:?}");
+            assert!(truth.lower <= found.upper, "{found:?} {truth:?}");
         }
     }
 }

@@ -54,10 +54,8 @@ impl Tally {
         let is_held = square > RBig::ZERO && is_held((a, m), (b, n), pose);
         match found.state {
             ContactState::Overlapping => {
-                assert!(
-                    m.kind() == MeshKind::Solid && n.kind() == MeshKind::Solid,
-                    "{what}: {found:?}"
-                );
+                assert!(m.kind() == MeshKind::Solid, "{what}: {found:?}");
+                assert!(n.kind() == MeshKind::Solid, "{what}: {found:?}");
                 assert!(square == RBig::ZERO || is_held, "{what}: {found:?} {square}");
                 self.classes[2] += 1;
             }
@@ -120,10 +118,8 @@ impl Tally {
         let at = relative(pose);
         let depth = |mesh: &Mesh| PairTracker::new().penetration(mesh, n, &at);
         if let (Some(p), Some(q)) = (depth(m), depth(&fresh)) {
-            assert!(
-                p.lower <= q.upper + 1e-12 && q.lower <= p.upper + 1e-12,
-                "{what}: {p:?} {q:?}"
-            );
+            assert!(p.lower <= q.upper + 1e-12, "{what}: {p:?} {q:?}");
+            assert!(q.lower <= p.upper + 1e-12, "{what}: {p:?} {q:?}");
             self.depths += usize::from(p.upper > 0.0);
         }
         let points: Vec<_> = (0..9)
@@ -131,10 +127,8 @@ impl Tally {
             .collect();
         let surface = BezierSurface::new(vec![BezierPatch::polynomial([2, 2], &points).unwrap()]).unwrap();
         let [p, q] = [m, &fresh].map(|mesh| PairTracker::new().closest(mesh, &surface, &at));
-        assert!(
-            p.lower <= q.upper + 1e-9 && q.lower <= p.upper + 1e-9,
-            "{what}: {p:?} {q:?}"
-        );
+        assert!(p.lower <= q.upper + 1e-9, "{what}: {p:?} {q:?}");
+        assert!(q.lower <= p.upper + 1e-9, "{what}: {p:?} {q:?}");
         self.surfaces += 1;
         let mut cell = Cell::new();
         cell.robot_body("robot", Geometry::from(n.clone()));
@@ -212,10 +206,9 @@ fn run(frames: usize, seed: u64) -> Tally {
 #[test]
 fn frames_are_as_exact_arithmetic_says() {
     let tally = run(400, 1);
-    assert!(
-        tally.classes[0] > 50 && tally.classes[1] > 20 && tally.classes[2] > 20,
-        "{tally:?}"
-    );
+    assert!(tally.classes[0] > 50, "{tally:?}");
+    assert!(tally.classes[1] > 20, "{tally:?}");
+    assert!(tally.classes[2] > 20, "{tally:?}");
     assert!(tally.selves.iter().all(|n| *n > 20) && tally.within > 800, "{tally:?}");
     assert!(tally.rays.iter().all(|n| *n > 5) && tally.surfaces > 10, "{tally:?}");
 }

@@ -203,10 +203,8 @@ fn features_are_tried_on_the_bodies_that_are_asked() {
         let body = &bodies[k % 4];
         let found = tracker.closest(body, &other, pose);
         let fresh = Tracker::new().closest(body, &other, pose);
-        assert!(
-            found.lower <= fresh.upper && fresh.lower <= found.upper,
-            "{k}: {found:?} {fresh:?}"
-        );
+        assert!(found.lower <= fresh.upper, "{k}: {found:?} {fresh:?}");
+        assert!(fresh.lower <= found.upper, "{k}: {found:?} {fresh:?}");
         manifolds.manifold(body, &other, pose, &options, &mut kept).unwrap();
         let mut fresh = Manifold::default();
         PairTracker::new()

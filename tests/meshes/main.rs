@@ -88,10 +88,8 @@ pub(crate) fn judge_by_surfaces(
     match found.state {
         ContactState::Separated => {
             assert!((found.distance - truth).abs() < noise, "{found:?} {truth}");
-            assert!(
-                found.lower <= truth + noise && truth <= found.upper + noise,
-                "{found:?} {truth}"
-            );
+            assert!(found.lower <= truth + noise, "{found:?} {truth}");
+            assert!(truth <= found.upper + noise, "{found:?} {truth}");
             assert!(found.upper - found.lower < 1e-13 * size(a, b, pose), "{found:?}");
             let on_b = pose.apply(found.point_on_b.into());
             let apart = truth::pose::norm(truth::pose::sub(on_b, found.point_on_a.into()));
@@ -101,10 +99,8 @@ pub(crate) fn judge_by_surfaces(
         ContactState::Overlapping => {
             let inside = |s: &Soup, p| brute::winding(s, p).abs() > 0.5;
             let contained = inside(a, pose.apply(b.points[0])) || inside(b, pose.apply_inverse(a.points[0]));
-            assert!(
-                found.distance == 0.0 && (truth == 0.0 || contained),
-                "{found:?} {truth}"
-            );
+            assert!(found.distance == 0.0, "{found:?} {truth}");
+            assert!((truth == 0.0 || contained), "{found:?} {truth}");
         }
         _ => panic!("{found:?}"),
     }

@@ -217,17 +217,13 @@ fn depths_of_convex_meshes_that_cross_are_proven() {
         let depth = -lin_canny::Tracker::new().closest(&a, &b, &relative(&pose)).distance;
         let [m, n] = [&a, &b].map(|p| Mesh::from_convex(p).unwrap());
         let found = PairTracker::new().penetration(&m, &n, &relative(&pose)).unwrap();
-        assert!(
-            found.lower <= depth * (1.0 + 1e-12) && depth <= found.upper,
-            "{found:?} {depth}"
-        );
+        assert!(found.lower <= depth * (1.0 + 1e-12), "{found:?} {depth}");
+        assert!(depth <= found.upper, "{found:?} {depth}");
         assert!(found.lower > depth * (1.0 - 1e-9), "{k} {found:?} {depth}");
         let piece = Compound::from(Shape::from(b));
         let found = PairTracker::new().penetration(&m, &piece, &relative(&pose)).unwrap();
-        assert!(
-            found.lower > depth * (1.0 - 1e-9) && depth <= found.upper,
-            "{k} {found:?} {depth}"
-        );
+        assert!(found.lower > depth * (1.0 - 1e-9), "{k} {found:?} {depth}");
+        assert!(depth <= found.upper, "{k} {found:?} {depth}");
     }
 }
 
@@ -298,10 +294,9 @@ fn bodies_a_universe_away_are_apart() {
         let pose = at([0.0, far, 0.0]);
         let found = PairTracker::new().closest(&m, &m, &pose);
         assert_eq!(found.state, ContactState::Separated, "{far:e} {found:?}");
-        assert!(
-            found.lower <= far && far <= found.upper && found.upper.is_finite(),
-            "{found:?}"
-        );
+        assert!(found.lower <= far, "{found:?}");
+        assert!(far <= found.upper, "{found:?}");
+        assert!(found.upper.is_finite(), "{found:?}");
         assert!(!PairTracker::new().intersects(&m, &m, &pose), "{far:e}");
         assert!(!PairTracker::new().within(&m, &m, &pose, far * (1.0 - 1e-12)));
         assert!(!PairTracker::new().intersects(&piece, &m, &pose), "{far:e}");
@@ -317,11 +312,8 @@ fn an_unused_point_moves_nothing() {
         with.points.push([0.0, stray, 0.0]);
         let m = mesh(&with);
         let report = m.report();
-        assert_eq!(
-            (report.unused, report.flushed_coordinates),
-            (1, 0),
-            "{stray:e} {report}"
-        );
+        assert_eq!(report.unused, 1, "{stray:e} {report}");
+        assert_eq!(report.flushed_coordinates, 0, "{stray:e} {report}");
         assert_eq!((m.kind(), m.aabb()), (clean.kind(), clean.aabb()));
         assert_eq!(m.vertex_count(), clean.vertex_count());
     }

@@ -41,10 +41,8 @@ fn convex_meshes_have_the_depth_of_their_bodies_between_the_bounds() {
         }
         met += 1;
         for o in [found, whole] {
-            assert!(
-                o.lower <= -truth.distance + 1e-12 && -truth.distance <= o.upper + 1e-12,
-                "{o:?} {truth:?}"
-            );
+            assert!(o.lower <= -truth.distance + 1e-12, "{o:?} {truth:?}");
+            assert!(-truth.distance <= o.upper + 1e-12, "{o:?} {truth:?}");
             assert!(
                 o.upper <= -truth.distance * (1.0 + 2e-3) + 1e-9,
                 "the hulls are the bodies: {o:?} {truth:?}"
@@ -98,10 +96,8 @@ fn bounds_of_meshes_hold_and_meet_for_shallow_overlaps() {
         let back = PairTracker::new()
             .penetration(n, m, &relative(&pose).swapped())
             .unwrap();
-        assert!(
-            back.lower <= found.upper + 1e-12 && found.lower <= back.upper + 1e-12,
-            "{found:?} {back:?}"
-        );
+        assert!(back.lower <= found.upper + 1e-12, "{found:?} {back:?}");
+        assert!(found.lower <= back.upper + 1e-12, "{found:?} {back:?}");
     }
     assert!(met > 15 && tight > 5, "{met} {tight}");
 }
@@ -207,10 +203,8 @@ fn narrowed_bounds_hold_the_depth_of_boxes_to_the_width() {
         let holds = |found: &PenetrationBounds| found.lower <= truth + 1e-9 && truth <= found.upper + 1e-9;
         assert!(holds(&found), "{k}: {found:?} {truth}");
         assert!(found.upper - found.lower <= 0.02 * truth, "{k}: {found:?} {truth}");
-        assert!(
-            first.lower <= found.lower && found.upper <= first.upper,
-            "{first:?} {found:?}"
-        );
+        assert!(first.lower <= found.lower, "{first:?} {found:?}");
+        assert!(found.upper <= first.upper, "{first:?} {found:?}");
         // Faces inside of the union keep the convex regions small: the budget may end first.
         if k < 4 {
             let (a, b) = (a.to_mesh().unwrap(), b.to_mesh().unwrap());
@@ -219,10 +213,8 @@ fn narrowed_bounds_hold_the_depth_of_boxes_to_the_width() {
                 .penetration_with(&a, &b, &at, &options.splits(500))
                 .unwrap();
             assert!(holds(&found), "{k}: {found:?} {truth}");
-            assert!(
-                first.lower <= found.lower && found.upper <= first.upper,
-                "{first:?} {found:?}"
-            );
+            assert!(first.lower <= found.lower, "{first:?} {found:?}");
+            assert!(found.upper <= first.upper, "{first:?} {found:?}");
             // Without a width, nothing is searched.
             let same = PairTracker::new()
                 .penetration_with(&a, &b, &at, &QueryOptions::default())

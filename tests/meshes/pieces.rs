@@ -61,10 +61,8 @@ fn pieces_equal_brute_force() {
             assert_eq!(back.closest(&b, &a, &relative(&pose).swapped()).state, found.state);
             if found.state == ContactState::Separated {
                 assert!((found.distance - truth).abs() < 1e-13, "{k} {frame} {found:?} {truth}");
-                assert!(
-                    found.lower <= truth + 1e-15 && truth <= found.upper + 1e-15,
-                    "{found:?} {truth}"
-                );
+                assert!(found.lower <= truth + 1e-15, "{found:?} {truth}");
+                assert!(truth <= found.upper + 1e-15, "{found:?} {truth}");
                 assert!(!tracker.within(&a, &b, &relative(&pose), truth - 1e-12));
                 assert!(tracker.within(&a, &b, &relative(&pose), truth + 1e-12));
                 let on_b = pose.apply(found.point_on_b.into());

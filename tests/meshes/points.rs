@@ -141,10 +141,9 @@ fn a_ray_in_the_plane_of_a_face_meets_the_edge_in_front() {
             let Ok(RayCast::Hit(hit)) = found else {
                 panic!("{y}: {found:?}")
             };
-            assert!(
-                hit.safe < 2.0 && 2.0 <= hit.hit && hit.hit - hit.safe < 1e-10,
-                "{hit:?}"
-            );
+            assert!(hit.safe < 2.0, "{hit:?}");
+            assert!(2.0 <= hit.hit, "{hit:?}");
+            assert!(hit.hit - hit.safe < 1e-10, "{hit:?}");
         }
     }
 }

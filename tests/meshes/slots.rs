@@ -143,10 +143,8 @@ fn pins_in_clevises_and_bars_in_windows_have_their_depth_in_all_forms() {
             [[-6.0, 0.0, -1.0], [4.0, 2.0, 1.0]],
         ] {
             for (form, found) in bounds_of(&clevis, &[pin]).iter().enumerate() {
-                assert!(
-                    found.lower <= 0.5 && found.lower > 0.5 - 1e-8,
-                    "{room} {form} {found:?}"
-                );
+                assert!(found.lower <= 0.5, "{room} {form} {found:?}");
+                assert!(found.lower > 0.5 - 1e-8, "{room} {form} {found:?}");
                 let most = if room > 0.0 { 0.5 + 1e-8 } else { 5.0 + 1e-7 };
                 assert!(found.upper >= 0.5 && found.upper < most, "{room} {form} {found:?}");
             }

@@ -359,10 +359,9 @@ fn a_corner_beside_a_ridge_between_two_pieces_has_contacts_of_the_ridge() {
             let own = [0, 1].into_iter().any(|s| (n - ridge.normals[s]).norm() < 1e-9);
             let is_on = (0..2).any(|s| ridge.normals[s].dot(&on_a).abs() < 1e-9 && ridge.up[s].dot(&on_a) > -1e-9);
             let lowest = placed.iter().map(|p| n.dot(p) - radius).fold(f64::INFINITY, f64::min);
-            assert!(
-                (own || is_normal) && is_on && c.point.separation > lowest - n.dot(&on_a) - 1e-9,
-                "{what}"
-            );
+            assert!((own || is_normal), "{what}");
+            assert!(is_on, "{what}");
+            assert!(c.point.separation > lowest - n.dot(&on_a) - 1e-9, "{what}");
         }
         *(if depth > 0.0 { &mut apart } else { &mut deep }) += 1;
     }

@@ -45,10 +45,8 @@ fn judge((x, a): &Body, (y, b): &Body, pose: &RelativePose, kept: &mut [PairTrac
         assert_eq!(kept[1].decide(y, x, &pose.swapped(), 0.0), Decision::No);
         let mut pair = kept[0].pair(x, y);
         let seen = pair.measure(pose);
-        assert!(
-            seen.lower <= upper + TIE && lower <= seen.upper + TIE,
-            "{seen:?} {found:?}"
-        );
+        assert!(seen.lower <= upper + TIE, "{seen:?} {found:?}");
+        assert!(lower <= seen.upper + TIE, "{seen:?} {found:?}");
     }
     found.state
 }
@@ -88,10 +86,8 @@ fn a_tracker_of_other_geometries_begins_anew() {
             let fresh = PairTracker::new().closest(&a.0, &b.0, &pose);
             let other = wandering.closest(&a.0, &b.0, &pose);
             assert_eq!(other.state, fresh.state);
-            assert!(
-                other.lower <= fresh.upper && fresh.lower <= other.upper,
-                "{other:?} {fresh:?}"
-            );
+            assert!(other.lower <= fresh.upper, "{other:?} {fresh:?}");
+            assert!(fresh.lower <= other.upper, "{other:?} {fresh:?}");
         }
     }
 }
@@ -171,10 +167,9 @@ fn a_mesh_beside_a_surface_is_a_solid() {
         classes[found.state as usize] += 1;
         inside += u32::from(found.state == ContactState::Overlapping && k % 3 == 1);
     }
-    assert!(
-        classes[0] > 150 && classes[1] > 30 && inside > 30,
-        "{classes:?} {inside}"
-    );
+    assert!(classes[0] > 150, "{classes:?} {inside}");
+    assert!(classes[1] > 30, "{classes:?} {inside}");
+    assert!(inside > 30, "{classes:?} {inside}");
 }
 
 /// An open mesh has no inside, and a mesh beyond the coordinates of surfaces only has a bounding
@@ -185,18 +180,15 @@ fn meshes_that_no_surface_stands_for_have_bounds() {
     let sheet = Mesh::new(&corners, &[[0, 1, 2]]).unwrap();
     let at = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.0, 1.0)).unwrap();
     let d = PairTracker::new().distance(&sheet, &sphere(0.5), &at);
-    assert!(
-        d.state == ContactState::Separated && (d.value - 1.5).abs() < 1e-8,
-        "{d:?}"
-    );
+    assert!(d.state == ContactState::Separated, "{d:?}");
+    assert!((d.value - 1.5).abs() < 1e-8, "{d:?}");
     let far = corners.map(|p| p * 1e70);
     let huge = Mesh::new(&far, &[[0, 1, 2]]).unwrap();
     let mut tracker = PairTracker::new();
     let answer = tracker.closest(&huge, &sphere(0.5), &at);
-    assert!(
-        !answer.is_converged && answer.lower <= 1e70 && answer.upper >= 1e70,
-        "{answer:?}"
-    );
+    assert!(!answer.is_converged, "{answer:?}");
+    assert!(answer.lower <= 1e70, "{answer:?}");
+    assert!(answer.upper >= 1e70, "{answer:?}");
     assert_eq!(tracker.decide(&huge, &sphere(0.5), &at, 1e80), Decision::Yes);
     assert_eq!(tracker.decide(&huge, &sphere(0.5), &at, f64::NAN), Decision::No);
     assert!(tracker.pair(&huge, &sphere(0.5)).measure(&at).lower <= 1e70);
@@ -224,10 +216,9 @@ fn contacts_of_any_two_geometries() {
                 assert!(found[0].contacts.iter().all(|c| (depth(c) + 0.01).abs() < 0.0101));
             }
             let depth = tracker.penetration(floor, die, &at).unwrap();
-            assert!(
-                depth.lower <= 0.0201 && depth.upper >= 0.0099 && depth.upper < 0.022,
-                "{depth:?}"
-            );
+            assert!(depth.lower <= 0.0201, "{depth:?}");
+            assert!(depth.upper >= 0.0099, "{depth:?}");
+            assert!(depth.upper < 0.022, "{depth:?}");
         }
     }
     let shell = sphere(1.0);

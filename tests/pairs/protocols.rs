@@ -167,10 +167,8 @@ fn warm_is_cold_along_coherent_motion() {
                 share(&cold)
             );
             // A tracker may try the other start if motion is fast.
-            assert!(
-                totals.queries == 1000 && (degrees > 1.0 || totals.warm > 900),
-                "{totals:?}"
-            );
+            assert!(totals.queries == 1000, "{totals:?}");
+            assert!((degrees > 1.0 || totals.warm > 900), "{totals:?}");
             assert_eq!(share(&totals), 0.0, "{}, {degrees} degrees: {totals:?}", shape.name);
             if degrees < 0.2 {
                 assert!(totals.steps < 1600, "{}: {totals:?}", shape.name);

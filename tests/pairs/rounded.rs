@@ -260,10 +260,8 @@ fn heights_hold_the_shape() {
             let turn = UnitQuaternion::rotation_between(&n, &Vector3::x()).unwrap_or_default();
             let turned = Isometry3::from_parts(Default::default(), turn);
             let (low, high) = shape.aabb_at(&turned, &mut Default::default());
-            assert!(
-                (high.x - up).abs() < 1e-6 * radius && (low.x + down).abs() < 1e-6 * radius,
-                "{shape:?}"
-            );
+            assert!((high.x - up).abs() < 1e-6 * radius, "{shape:?}");
+            assert!((low.x + down).abs() < 1e-6 * radius, "{shape:?}");
             let p = Point3::from(Vector3::from(rng.in_ball()) * radius);
             assert!(!shape.contains(&p) || n.dot(&p.coords) <= up, "{shape:?} {p}");
         }

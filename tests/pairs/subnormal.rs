@@ -43,10 +43,9 @@ fn bodies_apart_by_less_than_the_least_number_do_not_intersect() {
             t.closest_exact(&plate, &needle, &pose),
         ];
         for o in outcomes {
-            assert!(
-                o.state == ContactState::Separated && o.lower <= 0.0 && o.upper > 0.0,
-                "{side:e} {o:?}"
-            );
+            assert!(o.state == ContactState::Separated, "{side:e} {o:?}");
+            assert!(o.lower <= 0.0, "{side:e} {o:?}");
+            assert!(o.upper > 0.0, "{side:e} {o:?}");
         }
         assert!(!t.intersects(&plate, &needle, &pose), "{side:e}");
         assert!(t.within(&plate, &needle, &pose, f64::from_bits(1)), "{side:e}");
@@ -66,10 +65,9 @@ fn an_exact_distance_of_large_bodies_is_right_to_the_last_bit() {
                 let (a, b, pose) = underflow::tip_to_tip([e, e], [2.0 * m, 3.0 * m, 6.0 * m]);
                 let o = Tracker::new().closest_exact(&a, &b, &pose);
                 let near = |x: f64| (x.to_bits() as i64 - (7.0 * m).to_bits() as i64).abs() <= 1;
-                assert!(
-                    near(o.distance) && o.lower <= 7.0 * m && 7.0 * m <= o.upper,
-                    "{e:e} {m:e} {o:?}"
-                );
+                assert!(near(o.distance), "{e:e} {m:e} {o:?}");
+                assert!(o.lower <= 7.0 * m, "{e:e} {m:e} {o:?}");
+                assert!(7.0 * m <= o.upper, "{e:e} {m:e} {o:?}");
                 let is_close = (o.upper.to_bits() - o.lower.to_bits()) <= 2;
                 assert!(is_close, "{e:e} {m:e} {o:?}");
                 normal += usize::from(m.is_normal());
@@ -96,10 +94,9 @@ fn a_shallow_depth_is_bounded_in_the_callers_unit() {
             let pose = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.0, -depth)).unwrap();
             let o = Tracker::new().closest(&below, &block, &pose);
             assert_eq!(o.state, ContactState::Overlapping, "{e:e} {o:?}");
-            assert!(
-                o.lower <= -depth && -depth <= o.upper && o.upper <= 0.0,
-                "{e:e} {depth:e} {o:?}"
-            );
+            assert!(o.lower <= -depth, "{e:e} {depth:e} {o:?}");
+            assert!(-depth <= o.upper, "{e:e} {depth:e} {o:?}");
+            assert!(o.upper <= 0.0, "{e:e} {depth:e} {o:?}");
         }
     }
 }

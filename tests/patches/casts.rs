@@ -35,10 +35,9 @@ fn judge(pair: &mut dyn Separation, throw: [&Steady; 2], truth: Option<f64>, kee
     let found = cast_within(pair, a, b, 0.0..1.0, Tolerance::Distance(1e-6), keep).expect("a cast");
     match (found.impact, truth) {
         (Impact::Hit { safe, hit, .. }, Some(t)) => {
-            assert!(
-                safe <= t + 1e-14 && t - 1e-14 <= hit && hit - safe < 1e-3,
-                "{t} {found:?}"
-            );
+            assert!(safe <= t + 1e-14, "{t} {found:?}");
+            assert!(t - 1e-14 <= hit, "{t} {found:?}");
+            assert!(hit - safe < 1e-3, "{t} {found:?}");
             assert!(hit - safe < 2e-5 || t > 0.0, "{found:?}");
             true
         }

@@ -59,10 +59,8 @@ fn the_closest_piece_is_found() {
             }
             let o = &found;
             assert!(o.is_converged && o.upper - o.lower.max(0.0) <= 1e-9, "{found:?}");
-            assert!(
-                o.lower <= upper + 1e-13 && lower <= o.upper + 1e-13,
-                "{lower} {upper} {found:?}"
-            );
+            assert!(o.lower <= upper + 1e-13, "{lower} {upper} {found:?}");
+            assert!(lower <= o.upper + 1e-13, "{lower} {upper} {found:?}");
             let between = (at * o.point_on_b - o.point_on_a).norm();
             let is_overlap = o.state == ContactState::Overlapping;
             assert!(
@@ -76,10 +74,9 @@ fn the_closest_piece_is_found() {
             of[found.locations[1].subshape as usize] += 1;
         }
     }
-    assert!(
-        overlaps > 20 && apart > 80 && of.iter().all(|n| *n > 30),
-        "{overlaps} {apart} {of:?}"
-    );
+    assert!(overlaps > 20, "{overlaps} {apart} {of:?}");
+    assert!(apart > 80, "{overlaps} {apart} {of:?}");
+    assert!(of.iter().all(|n| *n > 30), "{overlaps} {apart} {of:?}");
 }
 
 #[test]
@@ -204,10 +201,7 @@ fn a_rotated_piece_far_from_its_origin_is_measured_with_its_rounding() {
             &body,
             &RelativePose::from_isometry(&Isometry3::identity()).expect("a pose"),
         );
-        assert!(
-            exact(found.lower) <= height && height <= exact(found.upper),
-            "{k}: {found:?}, not {}",
-            rounded(&height)
-        );
+        assert!(exact(found.lower) <= height, "{k}: {found:?}, not {}", rounded(&height));
+        assert!(height <= exact(found.upper), "{k}: {found:?}, not {}", rounded(&height));
     }
 }

@@ -15,10 +15,8 @@ fn same(a: &BezierSurface, other: &BezierSurface, b: &BezierSurface, at: &Isomet
     let o = PairTracker::new().closest_with(a, b, &pose(at), &QueryOptions::default().width(WIDTH));
     let p = PairTracker::new().closest_with(other, b, &pose(at), &QueryOptions::default().width(WIDTH));
     assert!(o.is_converged && p.is_converged, "{what}: {o:?} {p:?}");
-    assert!(
-        o.lower <= p.upper + 1e-14 && p.lower <= o.upper + 1e-14,
-        "{what}: {o:?} {p:?}"
-    );
+    assert!(o.lower <= p.upper + 1e-14, "{what}: {o:?} {p:?}");
+    assert!(p.lower <= o.upper + 1e-14, "{what}: {o:?} {p:?}");
 }
 
 fn one(patch: BezierPatch) -> BezierSurface {

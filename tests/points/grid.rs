@@ -26,10 +26,8 @@ fn a_grid_bounds_the_error_of_its_interpolation() {
         let p = Point3::new(rng.range(-1.0, 1.0), rng.range(-0.9, 1.1), rng.range(-0.8, 0.7));
         let (value, error) = grid.value_at(&p).expect("a point of the grid");
         let truth = query.signed_distance(&p).expect("a point").value;
-        assert!(
-            (value - truth).abs() <= error && error < 0.25,
-            "{p:?}: {value} +- {error}, {truth}"
-        );
+        assert!((value - truth).abs() <= error, "{p:?}: {value} +- {error}, {truth}");
+        assert!(error < 0.25, "{p:?}: {value} +- {error}, {truth}");
     }
     assert!(grid.value_at(&Point3::new(2.0, 0.0, 0.0)).is_none() && grid.error([9, 0, 0]).is_none());
     for bad in [
@@ -237,10 +235,8 @@ fn progress_is_reported_and_stops_a_grid() {
     assert!(told.iter().all(|p| p.stage == "grid" && p.total == Some(32 * 30 * 28)));
     for end in 0..told.len() {
         let (grid, told) = ask(end);
-        assert!(
-            matches!(grid, Err(PointError::Stopped)) && told.len() == end + 1,
-            "{end}"
-        );
+        assert!(matches!(grid, Err(PointError::Stopped)), "{end}");
+        assert!(told.len() == end + 1, "{end}");
     }
     // A wrong grid is an error before anything is reported.
     let mut fail = |_| -> ControlFlow<()> { panic!("a report") };

@@ -35,10 +35,8 @@ fn judge(query: &PointQuery<'_>, size: f64, error: f64, truth: impl Fn(&Point3<f
     for (p, found) in all.iter().zip(super::ask(query, &all, told)) {
         let told = format!("{told}, {p:?}: {found:?}");
         let (true_value, slack) = (truth(p), error * (size + p.coords.norm()));
-        assert!(
-            found.lower <= true_value + slack && true_value - slack <= found.upper,
-            "{true_value}: {told}"
-        );
+        assert!(found.lower <= true_value + slack, "{true_value}: {told}");
+        assert!(true_value - slack <= found.upper, "{true_value}: {told}");
         let wrong = match found.state {
             ContactState::Separated => true_value < -slack,
             ContactState::Overlapping => true_value > slack,
@@ -151,15 +149,13 @@ fn a_surface_has_a_distance_and_no_inside() {
     let surface = BezierSurface::new(vec![patch]).expect("a surface");
     let query = PointQuery::new(&surface);
     let found = query.closest_point(&Point3::new(0.5, 0.5, -2.0)).expect("a point");
-    assert!(
-        found.lower <= 2.0 && 2.0 <= found.upper && found.upper - found.lower < 1e-8,
-        "{found:?}"
-    );
+    assert!(found.lower <= 2.0, "{found:?}");
+    assert!(2.0 <= found.upper, "{found:?}");
+    assert!(found.upper - found.lower < 1e-8, "{found:?}");
     let found = query.closest_point(&Point3::new(2.0, 2.0, 0.0)).expect("a point");
-    assert!(
-        found.lower <= SQRT_2 && SQRT_2 <= found.upper && !found.is_contained(),
-        "{found:?}"
-    );
+    assert!(found.lower <= SQRT_2, "{found:?}");
+    assert!(SQRT_2 <= found.upper, "{found:?}");
+    assert!(!found.is_contained(), "{found:?}");
 }
 
 #[test]
@@ -237,10 +233,8 @@ fn unions_have_the_side_and_the_distance_of_their_members() {
                 };
                 let slack = 1e-14 * (size + p.coords.norm());
                 // The union of overlapping members is at least as deep as the deepest.
-                assert!(
-                    truth <= found.upper + slack && (truth < 0.0 || found.lower <= truth + slack),
-                    "{truth}: {told}"
-                );
+                assert!(truth <= found.upper + slack, "{truth}: {told}");
+                assert!((truth < 0.0 || found.lower <= truth + slack), "{truth}: {told}");
                 assert!(truth >= 0.0 || found.lower <= truth + slack, "{truth}: {told}");
                 assert!(
                     found.state != ContactState::Separated || truth >= -slack,

@@ -44,11 +44,8 @@ fn judge(count: usize, seed: u64) {
                 asked += 1;
                 let (x, y) = (found.lower.abs(), found.upper.abs());
                 let (lower, upper) = (x.min(y), x.max(y));
-                assert!(
-                    lower <= found.distance.abs() && found.distance.abs() <= upper,
-                    "{}",
-                    told()
-                );
+                assert!(lower <= found.distance.abs(), "{}", told());
+                assert!(found.distance.abs() <= upper, "{}", told());
                 let (size, width) = (soup.radius() + upper, upper - lower);
                 assert!(width <= 2e-14 * size, "{width:e}: {}", told());
                 widest = widest.max(width / size);

@@ -47,10 +47,9 @@ fn a_clash_of_fixed_bodies_is_counted_or_found() {
 
     // Calls on request.
     let found = scene.closest_pair(ALL, ALL).unwrap().unwrap();
-    assert_eq!(
-        (found.a, found.b, found.outcome.state),
-        (a, b, ContactState::Overlapping)
-    );
+    assert_eq!(found.a, a);
+    assert_eq!(found.b, b);
+    assert_eq!(found.outcome.state, ContactState::Overlapping);
     let contact = scene.any_contact(ALL, ALL).unwrap().unwrap();
     assert_eq!((contact.a, contact.b), (a, b));
     let near = scene.pairs_within(ALL, ALL, 0.6).unwrap();

@@ -162,9 +162,8 @@ fn random_moves_on_lattices_equal_brute_force() {
                 .unwrap_or_else(|why| panic!("seed {seed} frame {frame}: {why}"));
         }
     }
-    assert!(
-        jumps > 1000 && slides > 5000 && replaced > 1000,
-        "{jumps} {slides} {replaced}"
-    );
+    assert!(jumps > 1000, "{jumps} {slides} {replaced}");
+    assert!(slides > 5000, "{jumps} {slides} {replaced}");
+    assert!(replaced > 1000, "{jumps} {slides} {replaced}");
     assert!(overlaps > 50_000, "{overlaps}");
 }

@@ -176,14 +176,10 @@ fn addresses_of_every_kind_are_found() {
         "",
     ] {
         let error = found(mesh, &folder, &packages).expect_err(mesh);
-        assert!(
-            error.line == Some(2) && error.to_string().contains("is missing"),
-            "{error}"
-        );
+        assert!(error.line == Some(2), "{error}");
+        assert!(error.to_string().contains("is missing"), "{error}");
     }
     let error = found("https://example.org/x.obj", &folder, &packages).expect_err("an address");
-    assert!(
-        error.line == Some(2) && error.to_string().contains("is not supported"),
-        "{error}"
-    );
+    assert!(error.line == Some(2), "{error}");
+    assert!(error.to_string().contains("is not supported"), "{error}");
 }

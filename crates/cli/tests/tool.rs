@@ -77,10 +77,9 @@ fn distances_of_rows_have_closed_forms() {
         // Of the hub, of the balls of the arm.
         let least = far(q).min(side(q)).min(1.2);
         let [lower, upper] = ["lower", "upper"].map(|name| number(row, name));
-        assert!(
-            lower <= least + 1e-15 && least - 1e-15 <= upper && upper - lower < 1e-12,
-            "{row:?}"
-        );
+        assert!(lower <= least + 1e-15, "{row:?}");
+        assert!(least - 1e-15 <= upper, "{row:?}");
+        assert!(upper - lower < 1e-12, "{row:?}");
         for (name, distance) in [
             ("hub - arm", 0.3),
             ("hub - far ball", 2.7),
@@ -111,14 +110,11 @@ fn the_least_clearance_along_a_motion_is_enclosed() {
         );
         let [lower, upper] = ["lower", "upper"].map(|name| number(row, name));
         let least = side(0.5);
-        assert!(
-            lower <= least && least <= upper + 1e-15 && upper - lower < 2e-3 * least,
-            "{row:?}"
-        );
-        assert!(
-            (number(row, "t") - t).abs() < 1e-2 && (number(row, "time") - time).abs() < 2e-2,
-            "{row:?}"
-        );
+        assert!(lower <= least, "{row:?}");
+        assert!(least <= upper + 1e-15, "{row:?}");
+        assert!(upper - lower < 2e-3 * least, "{row:?}");
+        assert!((number(row, "t") - t).abs() < 1e-2, "{row:?}");
+        assert!((number(row, "time") - time).abs() < 2e-2, "{row:?}");
         assert_eq!([&row["a"], &row["b"]], ["arm", "side ball"]);
     }
     let least = number(&table(&format!("{along} self"), &[], 0)[0], "lower");
@@ -180,10 +176,8 @@ fn a_required_distance_is_that_of_rows_and_motions() {
         let found = table(rows, &arguments, blocked);
         let row = found.last().expect("a row");
         let [distance, excess] = ["distance", "excess"].map(|name| number(row, name));
-        assert!(
-            (distance - side(0.5)).abs() < 1e-12 && excess == distance - required,
-            "{row:?}"
-        );
+        assert!((distance - side(0.5)).abs() < 1e-12, "{row:?}");
+        assert!(excess == distance - required, "{row:?}");
         let too_close = found.iter().filter(|row| number(row, "excess") <= 0.0).count();
         assert_eq!(too_close, blocked as usize, "{found:?}");
         // Along the motion.
@@ -239,18 +233,14 @@ fn rows_are_recorded_and_played_by_a_page() {
     // The arm moves, the cell does not.
     let moved = film.frames[1].poses.iter().map(|(k, _)| &film.bodies[*k as usize].name);
     let moved: Vec<_> = moved.collect();
-    assert!(
-        !moved.is_empty() && moved.iter().all(|name| *name != "fence"),
-        "{moved:?}"
-    );
+    assert!(!moved.is_empty(), "{moved:?}");
+    assert!(moved.iter().all(|name| *name != "fence"), "{moved:?}");
     for command in ["certify", "plan"] {
         let (code, told) = run(&format!("{command} {CELL} --joints carry.csv"), &["--page", &page]);
         assert_eq!(code, 0, "{command}: {told}");
         let html = text(&page);
-        assert!(
-            html.contains("\"name\":\"fence\"") && html.ends_with("</html>\n"),
-            "{command}"
-        );
+        assert!(html.contains("\"name\":\"fence\""), "{command}");
+        assert!(html.ends_with("</html>\n"), "{command}");
     }
 }
 
@@ -354,10 +344,9 @@ fn the_page_of_an_audit_draws_each_pair() {
                 .count()
         };
         let title = svg.first_element_child().and_then(|title| title.text());
-        assert!(
-            title.is_some() && count("polygon", "a") > 0 && count("polygon", "b") > 0,
-            "{title:?}"
-        );
+        assert!(title.is_some(), "{title:?}");
+        assert!(count("polygon", "a") > 0, "{title:?}");
+        assert!(count("polygon", "b") > 0, "{title:?}");
         assert_eq!(count("circle", "end"), 2, "{title:?}");
         for (name, end) in [("cx", 420.0), ("cy", 280.0)] {
             let within = |x: &str| x.parse::<f64>().is_ok_and(|x| (0.0..=end).contains(&x));
@@ -396,10 +385,8 @@ fn a_grid_of_signed_distances_is_written() {
     assert_eq!(values.len(), 13 * 9 * 7);
     let header = String::from_utf8_lossy(&std::fs::read(&nrrd).expect("a grid")).into_owned();
     let header = &header[..header.find("\n\n").expect("an end") + 2];
-    assert!(
-        header.contains("sizes: 13 9 7\n") && header.contains("space origin: (-0.5,-0.5,-0.5)\n"),
-        "{header}"
-    );
+    assert!(header.contains("sizes: 13 9 7\n"), "{header}");
+    assert!(header.contains("space origin: (-0.5,-0.5,-0.5)\n"), "{header}");
     let x_first = numbers(&raw, 0);
     assert_eq!(x_first, numbers(&nrrd, header.len()));
     let errors = numbers(&errors, 128);
@@ -443,10 +430,8 @@ fn a_reader_that_has_gone_is_no_error() {
         drop(child.stdout.take());
         let Output { status, stderr, .. } = child.wait_with_output().expect("the tool ends");
         let text = String::from_utf8_lossy(&stderr);
-        assert!(
-            status.code() == Some(expected) && !text.contains("panicked"),
-            "{line}: {status:?} {text}"
-        );
+        assert!(status.code() == Some(expected), "{line}: {status:?} {text}");
+        assert!(!text.contains("panicked"), "{line}: {status:?} {text}");
     }
     // The files are written all the same.
     assert!(text(&table).contains("2,3,blocked,"));

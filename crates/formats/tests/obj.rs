@@ -245,16 +245,11 @@ fn faces_without_area_and_bent_faces_are_listed() {
     for face in ["f 1 2 1", "f 2 2 2", "f 1 1 2 2"] {
         let file = of(face);
         assert_eq!(file.objects[0].triangles.len(), 1, "{face}");
-        assert_eq!(
-            (file.skipped[0].line, file.skipped[0].what.as_str()),
-            (Some(6), "faces without area")
-        );
+        assert_eq!(file.skipped[0].line, Some(6));
+        assert_eq!(file.skipped[0].what.as_str(), "faces without area");
     }
     let file = of("f 1 2 3 4");
     assert_eq!(file.objects[0].triangles.len(), 3);
-    assert!(
-        file.skipped[0].line == Some(6) && file.skipped[0].what.contains("not flat"),
-        "{:?}",
-        file.skipped
-    );
+    assert!(file.skipped[0].line == Some(6), "{:?}", file.skipped);
+    assert!(file.skipped[0].what.contains("not flat"), "{:?}", file.skipped);
 }

@@ -52,10 +52,8 @@ fn all_solids_of_a_text_are_read() {
             format!("\u{feff}{text}"),
         ] {
             let file = parse(&text, "a.stl").expect("solids");
-            assert_eq!(
-                (file.objects.len(), file.whole().1.len()),
-                (n as usize, 12 * n as usize)
-            );
+            assert_eq!(file.objects.len(), n as usize);
+            assert_eq!(file.whole().1.len(), 12 * n as usize);
             assert!((volume(&file) - f64::from(n) * VOLUME).abs() < 1e-12);
             assert_eq!(bounds(&file)[1], [0.2 + 2.0 * f64::from(n - 1), 0.4, 0.6]);
             assert_eq!(file.objects[0].name, "part 0");

@@ -303,14 +303,10 @@ fn distances_of_meshes_and_compounds_have_receipts() {
             number.parse::<f64>().expect("a number")
         };
         let [lower, upper] = [bound("at least "), bound("at most ")];
-        assert!(
-            lower <= outcome.lower && lower >= outcome.lower - 1e-11,
-            "{said} {outcome:?}"
-        );
-        assert!(
-            upper >= outcome.upper && upper <= outcome.upper + 1e-11,
-            "{said} {outcome:?}"
-        );
+        assert!(lower <= outcome.lower, "{said} {outcome:?}");
+        assert!(lower >= outcome.lower - 1e-11, "{said} {outcome:?}");
+        assert!(upper >= outcome.upper, "{said} {outcome:?}");
+        assert!(upper <= outcome.upper + 1e-11, "{said} {outcome:?}");
         let has_cuts = !text.contains("\"cells\":[[[],");
         let is_solid = text.contains("\"faces\":[");
         assert_eq!(said.contains(INSIDE), has_cuts && is_solid, "{said}");
@@ -334,10 +330,8 @@ fn a_distance_that_is_too_large_or_too_small_has_no_receipt() {
     for around in [&compound, &mesh] {
         let rod = rod(1);
         let outcome = PairTracker::new().closest(around, &rod, &pose).outcome;
-        assert!(
-            outcome.state == ContactState::Separated && outcome.lower > 0.01,
-            "{outcome:?}"
-        );
+        assert!(outcome.state == ContactState::Separated, "{outcome:?}");
+        assert!(outcome.lower > 0.01, "{outcome:?}");
         let bodies = [("a", around), ("b", &rod)];
         assert!(Receipt::outcome(bodies, &at, &outcome).is_ok());
         let (mut longer, mut shorter) = (outcome, outcome);

@@ -120,10 +120,8 @@ fn faults_of_groups_are_errors_with_their_line() {
         }
     }
     let error = read(&[D, BC, D]).expect_err("two groups d");
-    assert!(
-        matches!(error.reason, FileErrorKind::Repeated) && error.line == Some(5),
-        "{error}"
-    );
+    assert!(matches!(error.reason, FileErrorKind::Repeated), "{error}");
+    assert!(error.line == Some(5), "{error}");
     // An ignored group is not read.
     let ignored = "<drake:collision_filter_group name='d' ignore='true'><drake:x/></drake:collision_filter_group>";
     assert!(read(&[D, ignored]).is_ok());

@@ -260,10 +260,8 @@ fn virtual_joints_are_read() {
             let srdf = found.expect(name);
             let joint = &srdf.virtual_joints[usize::from(line == 5)];
             assert_eq!((joint.name.as_str(), joint.kind), ("v", kind));
-            assert_eq!(
-                (joint.parent_frame.as_str(), joint.child_link.as_str()),
-                ("odom", "base")
-            );
+            assert_eq!(joint.parent_frame.as_str(), "odom");
+            assert_eq!(joint.child_link.as_str(), "base");
         }
     }
 }
@@ -300,9 +298,7 @@ fn faults_are_errors_with_their_line() {
     // The second of two elements with one name is in the last place.
     for element in GOOD {
         let again = read(&[&GOOD[..], &[element]].concat()).expect_err(element);
-        assert!(
-            matches!(again.reason, FileErrorKind::Repeated) && again.line == Some(5),
-            "{again}"
-        );
+        assert!(matches!(again.reason, FileErrorKind::Repeated), "{again}");
+        assert!(again.line == Some(5), "{again}");
     }
 }

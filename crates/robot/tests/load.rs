@@ -43,10 +43,8 @@ fn the_example_has_one_coordinate_for_both_fingers() {
     let names: Vec<&str> = robot.coordinates().iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["turn", "lift", "elbow", "roll", "bend", "twist", "left"]);
     let right = robot.joints().iter().find(|j| j.name == "right").expect("a joint");
-    assert_eq!(
-        (right.mimics.as_deref(), right.kind),
-        (Some("left"), MotionKind::Prismatic)
-    );
+    assert_eq!(right.mimics.as_deref(), Some("left"));
+    assert_eq!(right.kind, MotionKind::Prismatic);
     let found = right.drive.map(|d| (d.coordinate, d.factor, d.offset));
     assert_eq!(found, Some((6, 1.0, 0.0)));
     let kinds: Vec<GeometryKind> = robot.links().iter().map(|l| l.bodies[0].geometry.kind()).collect();
@@ -88,15 +86,11 @@ fn meshes_are_hulls_meshes_or_pieces() {
         .link_meshes([("left finger".into(), MeshUse::Hull)])
         .measure_hulls(true);
     let [left, right] = load(of_one).expect("a robot");
-    assert_eq!(
-        (left.geometry.kind(), right.geometry.kind()),
-        (GeometryKind::Polyhedron, GeometryKind::Mesh)
-    );
+    assert_eq!(left.geometry.kind(), GeometryKind::Polyhedron);
+    assert_eq!(right.geometry.kind(), GeometryKind::Mesh);
     let fit = left.hull_fit.expect("measured");
-    assert!(
-        fit.gap_lower < 1e-12 && fit.void_fraction().expect("a volume") < 1e-6,
-        "{fit:?}"
-    );
+    assert!(fit.gap_lower < 1e-12, "{fit:?}");
+    assert!(fit.void_fraction().expect("a volume") < 1e-6, "{fit:?}");
     // The mirrored mesh is closed and not inside out.
     let lin_canny::Geometry::Mesh(mesh) = &right.geometry else {
         panic!("a mesh")
@@ -507,10 +501,8 @@ fn solids_without_size_are_points_segments_and_rectangles() {
         "\"cylinder\": {\"radius\": 0.5, \"length\": 0}",
     ) {
         let error = error.expect_err("a disc").to_string();
-        assert!(
-            error.contains("disc of radius 0.5") && error.contains("1e-6"),
-            "{error}"
-        );
+        assert!(error.contains("disc of radius 0.5"), "{error}");
+        assert!(error.contains("1e-6"), "{error}");
     }
 }
 
@@ -633,10 +625,8 @@ fn missing_meshes_are_skipped_only_if_asked_for() {
         assert_eq!(lines, expected);
         for (skipped, k) in robot.skipped().iter().zip(&missing) {
             let told = skipped.to_string();
-            assert!(
-                told.contains(&format!("gone{k}.obj")) && told.contains("is missing"),
-                "{told}"
-            );
+            assert!(told.contains(&format!("gone{k}.obj")), "{told}");
+            assert!(told.contains("is missing"), "{told}");
         }
         for (l, link) in robot.links().iter().enumerate() {
             let there = [2 * l, 2 * l + 1].iter().filter(|k| !missing.contains(k)).count();

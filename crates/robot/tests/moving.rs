@@ -241,10 +241,8 @@ fn robots_of_equal_names_and_columns_are_errors() {
     };
     for others in [&["a", "a"][..], &["a", "b", "a"], &[""]] {
         let error = load(others).expect_err("an error").to_string();
-        assert!(
-            error.contains("link") && error.contains("name is already in use"),
-            "{error}"
-        );
+        assert!(error.contains("link"), "{error}");
+        assert!(error.contains("name is already in use"), "{error}");
     }
     let setup = load(&["a_", "b_"]).expect("three robots");
     assert_eq!(setup.coordinates().len(), 6);

@@ -493,18 +493,14 @@ fn what_a_later_version_added_is_read_and_listed() {
         let [skipped] = robot.skipped() else {
             panic!("{:?}", robot.skipped())
         };
-        assert!(
-            skipped.line == Some(2) && skipped.to_string().contains(&words),
-            "{skipped}"
-        );
+        assert!(skipped.line == Some(2), "{skipped}");
+        assert!(skipped.to_string().contains(&words), "{skipped}");
         let later = parse(&model(&newer, &(a.clone() + &inside))).expect(&newer);
         assert!(later.skipped().is_empty());
         let q = [0.3];
         for ((name, pose), (other, at)) in poses_at(&robot, &q).iter().zip(poses_at(&later, &q)) {
-            assert!(
-                *name == other && is_near(pose, &at),
-                "{text}: {name} at {pose}, expected {at}"
-            );
+            assert!(*name == other, "{text}: {name} at {pose}, expected {at}");
+            assert!(is_near(pose, &at), "{text}: {name} at {pose}, expected {at}");
         }
     }
 }
@@ -868,10 +864,8 @@ fn included_models_are_read_from_their_folders() {
     };
     for [text, words] in cases("configurations") {
         let error = config(&text);
-        assert!(
-            error.contains(&words) && error.contains("bad/model.config:1"),
-            "{error}"
-        );
+        assert!(error.contains(&words), "{error}");
+        assert!(error.contains("bad/model.config:1"), "{error}");
     }
     for [name, text, words] in cases("faults of included files") {
         std::fs::write(folder.join(&name), text).expect("a file");
@@ -1063,10 +1057,9 @@ fn limits_of_a_floating_link_contain_the_pose_at_which_it_is_drawn() {
     setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
     let near = Checker::of_robots(setup).expect("a checker").clearance(robot.start());
     let near = near.expect("within the limits").expect("a pair");
-    assert!(
-        near.lower <= 2.0 && near.upper >= 2.0 && near.upper - near.lower < 1e-9,
-        "{near:?}"
-    );
+    assert!(near.lower <= 2.0, "{near:?}");
+    assert!(near.upper >= 2.0, "{near:?}");
+    assert!(near.upper - near.lower < 1e-9, "{near:?}");
 }
 
 /// The coordinates of a floating link are its pose in the world.

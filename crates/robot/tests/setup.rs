@@ -289,10 +289,9 @@ fn two_robots_stand_in_one_cell() {
     (q[1], q[8]) = (1.5, -1.5);
     let near = checker.clearance(&q).expect("a configuration").expect("a pair");
     let names = [near.pair.a, near.pair.b].map(|part| checker.name(part).to_owned());
-    assert!(
-        near.distance <= 0.0 && names[0].starts_with("left/") && names[1].starts_with("right/"),
-        "{names:?}"
-    );
+    assert!(near.distance <= 0.0, "{names:?}");
+    assert!(names[0].starts_with("left/"), "{names:?}");
+    assert!(names[1].starts_with("right/"), "{names:?}");
     says(setup.exclude("left/base", "nothing"), "nothing");
 }
 
@@ -329,10 +328,8 @@ fn excludable_pairs_are_counted_and_written() {
     assert_eq!(of("b", "over"), (2000, Some(ExcludeReason::Always)));
     // Touches from 0.8 to 1.2 of the slide behind, at 1.0 of 2.2 on average.
     let (overlaps, reason) = of("a", "c");
-    assert!(
-        reason.is_none() && (overlaps as f64 / 2000.0 - 1.0 / 2.2).abs() < 0.05,
-        "{overlaps}"
-    );
+    assert!(reason.is_none(), "{overlaps}");
+    assert!((overlaps as f64 / 2000.0 - 1.0 / 2.2).abs() < 0.05, "{overlaps}");
     let few = find_excludable(&setup, 2000, 7, &mut |progress| Progress::stop_if(progress.done >= 10)).expect("counts");
     assert!(few.iter().all(|pair| pair.samples == 10));
     let srdf = Srdf::from_counts(&counts);
@@ -358,10 +355,8 @@ fn obstacles_turn_by_quaternions_of_every_length() {
         assert!((turn.angle() - std::f64::consts::FRAC_PI_2).abs() < 1e-15, "{xyzw}");
     }
     let error = cell("[0, 0, 0, 0]").expect_err("no rotation").to_string();
-    assert!(
-        error.contains("bodies[0]") && error.contains("length of xyzw"),
-        "{error}"
-    );
+    assert!(error.contains("bodies[0]"), "{error}");
+    assert!(error.contains("length of xyzw"), "{error}");
 }
 
 /// Points, segments and rectangles take part in clearances and proofs as other bodies do.
@@ -390,10 +385,9 @@ fn links_without_size_are_checked() {
         );
         let mut checker = Checker::of_robots(setup.clone()).expect("a checker");
         let near = checker.clearance(&[3.0]).expect("a configuration").expect("a pair");
-        assert!(
-            (near.distance - 2.0).abs() < 1e-12 && near.lower <= 2.0 && near.upper >= 2.0,
-            "{k}: {near:?}"
-        );
+        assert!((near.distance - 2.0).abs() < 1e-12, "{k}: {near:?}");
+        assert!(near.lower <= 2.0, "{k}: {near:?}");
+        assert!(near.upper >= 2.0, "{k}: {near:?}");
         let verdict = checker.verdict_of(&JointMotion::segment(&[3.0], &[1.5]));
         assert!(matches!(verdict, Verdict::Free { .. }), "{k}: {verdict:?}");
         let verdict = checker.verdict_of(&JointMotion::segment(&[3.0], &[-3.0]));

@@ -214,10 +214,8 @@ fn the_degree_is_that_of_the_controller() {
         &rest,
     );
     let found = found.expect("a trajectory");
-    assert_eq!(
-        (&found.rows[1], &found.velocities[1]),
-        (&vec![0.25, 1.0], &vec![0.0, 1.0])
-    );
+    assert_eq!(&found.rows[1], &vec![0.25, 1.0]);
+    assert_eq!(&found.velocities[1], &vec![0.0, 1.0]);
 }
 
 #[test]

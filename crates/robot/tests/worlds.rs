@@ -201,10 +201,8 @@ fn judge(sequences: usize, changes: usize, seed: u64) {
             }
         }
     }
-    assert!(
-        free > sequences && removed > sequences,
-        "{free} free, {removed} with removed bodies"
-    );
+    assert!(free > sequences, "{free} free, {removed} with removed bodies");
+    assert!(removed > sequences, "{free} free, {removed} with removed bodies");
 }
 
 #[test]
@@ -280,10 +278,8 @@ fn wrong_worlds_are_named() {
         let error = parse(&format!("{{\"bodies\": [{{\"name\": \"x\", {shape}}}]}}"))
             .err()
             .unwrap_or_default();
-        assert!(
-            error.starts_with("cell.json:1: ") && error.contains(&expected),
-            "{error}"
-        );
+        assert!(error.starts_with("cell.json:1: "), "{error}");
+        assert!(error.contains(&expected), "{error}");
     }
     let mut checker = checker(r#""margin": 0.1"#).expect("a checker");
     assert_eq!(checker.cell().margin(), 0.1);
@@ -343,9 +339,8 @@ fn a_recording_shows_the_world_as_it_is_in_each_frame() {
         let pose = shown(frame, 4).expect("a part");
         assert!((pose.translation.vector - carried).norm() < 1e-12, "{frame}: {pose}");
     }
-    assert_eq!(
-        (shown(1, 5), shown(2, 5), shown(3, 5)),
-        (Some(at(1.0)), Some(at(2.0)), None)
-    );
+    assert_eq!(shown(1, 5), Some(at(1.0)));
+    assert_eq!(shown(2, 5), Some(at(2.0)));
+    assert_eq!(shown(3, 5), None);
     assert_eq!((shown(3, 6), shown(4, 4)), (Some(at(2.0)), None));
 }

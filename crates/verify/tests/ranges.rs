@@ -23,10 +23,8 @@ fn cells_prove_a_range() {
         assert!(!ranged.is_false(&mut rng));
         let said = found.to_string();
         assert!(said.contains("6 pairs of bodies stay more than"), "{said}");
-        assert!(
-            said.contains("at every configuration of [") && said.contains("they may meet"),
-            "{said}"
-        );
+        assert!(said.contains("at every configuration of ["), "{said}");
+        assert!(said.contains("they may meet"), "{said}");
         counts[0] += 1;
         counts[1] += ranged.lines.len();
     }

@@ -19,10 +19,8 @@ fn worlds_of_the_planner_agree_with_cold_queries() {
 #[test]
 fn casts_agree_with_queries_at_many_times() {
     let mix = played(0..150, throws::play);
-    assert!(
-        mix.casts[..2].iter().chain(&mix.kinds).all(|n| *n > 10) && mix.planes > 0,
-        "{mix:?}"
-    );
+    assert!(mix.casts[..2].iter().chain(&mix.kinds).all(|n| *n > 10), "{mix:?}");
+    assert!(mix.planes > 0, "{mix:?}");
 }
 
 #[test]

@@ -94,10 +94,8 @@ fn ten_thousand_segments_are_judged_right() {
     for n in [40, 150] {
         let tally = judge(n, 10_000, 1000);
         println!("{n} hulls: {tally:?}");
-        assert!(
-            tally.unknown == 0 && tally.queries <= 7 * u64::from(tally.free),
-            "{tally:?}"
-        );
+        assert!(tally.unknown == 0, "{tally:?}");
+        assert!(tally.queries <= 7 * u64::from(tally.free), "{tally:?}");
     }
 }
 
@@ -205,10 +203,9 @@ fn margins_are_kept() {
     let found = checker
         .clearance_along(&JointMotion::segment(&ends[0], &ends[1]), 0.01)
         .expect("a segment");
-    assert!(
-        found.lower <= 0.25 && found.lower > 0.247 && (found.upper - 0.25).abs() < 1e-12,
-        "{found:?}"
-    );
+    assert!(found.lower <= 0.25, "{found:?}");
+    assert!(found.lower > 0.247, "{found:?}");
+    assert!((found.upper - 0.25).abs() < 1e-12, "{found:?}");
     // Towards the wall, past the middle: contact at x = 1.5.
     let verdict = checker.verdict_of(&JointMotion::segment(&[-1.0, 0.0, 0.0], &[4.0, 0.0, 0.0]));
     let Verdict::Blocked {
@@ -336,10 +333,8 @@ fn obstacles_of_every_kind() {
         let at = |x: f64, y: f64| RigidSpace::configuration(&Isometry3::translation(x, y, -0.1));
         let verdict = checker.verdict_of(&JointMotion::segment(&at(-3.0, 0.0), &at(3.0, 0.0)));
         let ([safe, t], _) = blocked(&verdict).expect(name);
-        assert!(
-            (1.9 / 6.0..2.1 / 6.0).contains(&safe) && t - safe < 1e-3,
-            "{name}: {verdict:?}"
-        );
+        assert!((1.9 / 6.0..2.1 / 6.0).contains(&safe), "{name}: {verdict:?}");
+        assert!(t - safe < 1e-3, "{name}: {verdict:?}");
         assert!(
             checker
                 .is_free(&JointMotion::segment(&at(-3.0, 1.01), &at(3.0, 1.01)))

@@ -286,10 +286,8 @@ fn attached_objects_are_where_their_links_carry_them() {
             let mut least = f64::INFINITY;
             for n in &near {
                 let [lower, upper] = measured(placed(&checker, n.pair.a, &q), placed(&checker, n.pair.b, &q));
-                assert!(
-                    n.lower <= upper + 1e-9 && lower <= n.upper + 1e-9,
-                    "{n:?} {lower} {upper}"
-                );
+                assert!(n.lower <= upper + 1e-9, "{n:?} {lower} {upper}");
+                assert!(lower <= n.upper + 1e-9, "{n:?} {lower} {upper}");
                 least = least.min(n.excess);
                 let kept = checker.cell().required_distance(n.pair).distance;
                 assert_eq!(n.excess, n.distance - kept);

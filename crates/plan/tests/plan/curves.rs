@@ -160,10 +160,9 @@ fn random_curves_are_as_the_verdict_says() {
     for (name, robot) in robots() {
         let counts = judged(robot, 25, 100, 1);
         println!("{name}: {counts:?}");
-        assert!(
-            counts.free > 2 && counts.blocked > 2 && counts.undecided == 0,
-            "{counts:?}"
-        );
+        assert!(counts.free > 2, "{counts:?}");
+        assert!(counts.blocked > 2, "{counts:?}");
+        assert!(counts.undecided == 0, "{counts:?}");
     }
 }
 
@@ -303,10 +302,9 @@ fn a_straight_segment_has_the_same_verdict_at_every_degree() {
     for _ in 1..=7 {
         let found = checker.verdict_of(&JointMotion::curve(&curve));
         let ([s, u], p) = blocked(&found).expect("the block meets the box");
-        assert!(
-            p == pair && (s - safe).abs() < 1e-9 && (u - t).abs() < 1e-9,
-            "{found:?}"
-        );
+        assert!(p == pair, "{found:?}");
+        assert!((s - safe).abs() < 1e-9, "{found:?}");
+        assert!((u - t).abs() < 1e-9, "{found:?}");
         curve = curve.elevated().expect("a curve");
     }
     // Degree 1 is the segment, bit for bit.
@@ -363,10 +361,8 @@ fn limits_hold_between_control_points() {
         else {
             panic!("{points:?}")
         };
-        assert!(
-            (time - expected).abs() < 0.1 && value > 1.0,
-            "{points:?}: {time} {value}"
-        );
+        assert!((time - expected).abs() < 0.1, "{points:?}: {time} {value}");
+        assert!(value > 1.0, "{points:?}: {time} {value}");
     }
 }
 
@@ -612,10 +608,8 @@ fn proofs_and_clearances_of_curves_agree_with_verdicts() {
             near.expect("a pair").distance
         });
         let least = least.fold(f64::INFINITY, f64::min);
-        assert!(
-            clearance.lower <= least && least <= clearance.upper * (1.0 + 1e-2) + 1e-3,
-            "{clearance:?} {least}"
-        );
+        assert!(clearance.lower <= least, "{clearance:?} {least}");
+        assert!(least <= clearance.upper * (1.0 + 1e-2) + 1e-3, "{clearance:?} {least}");
     }
     assert!(free > 5, "{free}");
 }
@@ -825,10 +819,9 @@ fn contacts_in_tubes_are_within_the_tube() {
                 missed += u32::from(!verdict.is_free());
                 continue;
             };
-            assert!(
-                !verdict.is_free() && t >= verdict.free_until() && t <= 1.0,
-                "{name} {k}"
-            );
+            assert!(!verdict.is_free(), "{name} {k}");
+            assert!(t >= verdict.free_until(), "{name} {k}");
+            assert!(t <= 1.0, "{name} {k}");
             for ((x, y), e) in q.iter().zip(curve.at(t)).zip(tube.at(t)) {
                 let off = (x - y).abs();
                 assert!(off <= e + 1e-15 * y.abs().max(1.0), "{name} {k} at {t}: {q:?}");
@@ -897,10 +890,9 @@ fn a_contact_in_a_tube_has_its_time() {
             .expect("a tube");
         assert_eq!((verdict.is_free(), found.is_some()), (!touches, touches), "{found:?}");
         if let Some((t, q)) = found {
-            assert!(
-                q[0] == level.at(t)[0] && q[0].abs() <= 0.6 + 1e-9 && (q[1] - 0.55).abs() < 1e-12,
-                "{q:?}"
-            );
+            assert!(q[0] == level.at(t)[0], "{q:?}");
+            assert!(q[0].abs() <= 0.6 + 1e-9, "{q:?}");
+            assert!((q[1] - 0.55).abs() < 1e-12, "{q:?}");
         }
     }
     // The cart reaches the tube of the block at the end, and no sooner than at 0.9.
@@ -920,11 +912,8 @@ fn a_contact_in_a_tube_has_its_time() {
         let found = moving
             .tube_contact(&tubed(&still, &tube), 0, verdict.free_until())
             .expect("a tube");
-        assert_eq!(
-            (verdict.is_free(), found.is_some()),
-            (off < 0.05, off > 0.05),
-            "{verdict:?} {found:?}"
-        );
+        assert_eq!(verdict.is_free(), off < 0.05, "{verdict:?} {found:?}");
+        assert_eq!(found.is_some(), off > 0.05, "{verdict:?} {found:?}");
         assert!(found.is_none_or(|(t, q)| t > 0.9 && (q[0] - 0.1).abs() < 1e-12));
         assert_eq!(moving.time(), before);
         moving = Checker::new(moving.space().clone(), moving.cell().clone()).expect("a world");

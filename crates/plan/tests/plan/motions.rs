@@ -129,11 +129,8 @@ fn a_tube_around_a_path_holds_for_each_piece() {
         (around(0.21), false),
     ] {
         let found = checker.verdict_of(&motion);
-        assert_eq!(
-            (found.is_free(), found.piece()),
-            (is_free, (!is_free).then_some(1)),
-            "{motion:?}"
-        );
+        assert_eq!(found.is_free(), is_free, "{motion:?}");
+        assert_eq!(found.piece(), (!is_free).then_some(1), "{motion:?}");
         assert_eq!(checker.is_free(&motion).expect("within limits"), is_free);
         // A tube of points is a distance that pairs keep; blocked motions of several pieces have no receipt.
         let error = Receipt::motion(&mut checker, &motion).err();
@@ -154,10 +151,9 @@ fn a_tube_around_a_path_holds_for_each_piece() {
     assert_eq!((checker.cell().margin(), checker.start_contact_margin()), (0.0, None));
     assert!(checker.is_free_along(&path));
     let along = checker.clearance_along(&path, 1e-2).expect("within limits");
-    assert!(
-        along.lower <= 0.2 && 0.2 <= along.upper && along.piece == 1,
-        "{along:?}"
-    );
+    assert!(along.lower <= 0.2, "{along:?}");
+    assert!(0.2 <= along.upper, "{along:?}");
+    assert!(along.piece == 1, "{along:?}");
 }
 
 #[test]

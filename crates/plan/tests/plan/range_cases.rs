@@ -153,10 +153,9 @@ fn a_width_of_zero_ends_at_its_budget_with_tight_bounds() {
     let mut checker = swing(0.5);
     let options = RangeOptions::default().cells(500).width(ClearanceWidth::Length(0.0));
     let answer = checker.answer_over(&options, [A, OTHER], &[-0.3, 3.0], &[0.2, 3.0]);
-    assert!(
-        answer.cells <= 500 && answer.lower <= 0.5 && 0.5 <= answer.upper,
-        "{answer:?}"
-    );
+    assert!(answer.cells <= 500, "{answer:?}");
+    assert!(answer.lower <= 0.5, "{answer:?}");
+    assert!(0.5 <= answer.upper, "{answer:?}");
     assert!(answer.upper - answer.lower < 1e-9, "{answer:?}");
 }
 
@@ -209,10 +208,8 @@ fn round_bodies_reach_a_width_below_the_error_of_their_prisms() {
             let options = RangeOptions::default().width(ClearanceWidth::Length(width));
             let answer = checker.answer_over(&options, [A, OTHER], &[-0.5], &[0.5]);
             assert!(answer.is_never() && answer.lower <= 1.0, "{answer:?}");
-            assert!(
-                answer.upper - answer.lower <= width && answer.upper >= 1.0,
-                "{answer:?}"
-            );
+            assert!(answer.upper - answer.lower <= width, "{answer:?}");
+            assert!(answer.upper >= 1.0, "{answer:?}");
             cells.push(answer.cells);
         }
         assert!(cells[1] < 10 && (100..4_000).contains(&cells[2]), "{cells:?}");
@@ -222,10 +219,9 @@ fn round_bodies_reach_a_width_below_the_error_of_their_prisms() {
     let mut spinning = moved(vec![turn(Vector3::z(), [-PI, PI])], cylinder, wall);
     let options = RangeOptions::default().width(ClearanceWidth::Share(0.1));
     let answer = spinning.answer_over(&options, [A, OTHER], &[-PI], &[PI]);
-    assert!(
-        answer.is_never() && answer.lower > 0.9 && answer.lower <= 1.0,
-        "{answer:?}"
-    );
+    assert!(answer.is_never(), "{answer:?}");
+    assert!(answer.lower > 0.9, "{answer:?}");
+    assert!(answer.lower <= 1.0, "{answer:?}");
 }
 
 /// A closed mesh with a cavity: the walls of a box, and those of a smaller box inside that face

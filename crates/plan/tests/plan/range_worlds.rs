@@ -358,10 +358,8 @@ fn errors_of_joints_and_places_of_obstacles_are_coordinates_with_a_range() {
         let least = 0.5 - error;
         let truth = 1.2 - place - (least.cos() + 0.05 * least.sin());
         assert!(answer.is_never(), "{answer:?}");
-        assert!(
-            answer.lower <= truth && truth <= answer.lower + 1.1e-6,
-            "{truth} {answer:?}"
-        );
+        assert!(answer.lower <= truth, "{truth} {answer:?}");
+        assert!(truth <= answer.lower + 1.1e-6, "{truth} {answer:?}");
     }
     // The exact arm in the exact place keeps 0.298, which neither tolerance leaves.
     checker.cell_mut().set_margin(0.27).expect("a margin");

@@ -87,10 +87,8 @@ fn a_verdict_says_meet_only_if_nothing_is_required() {
         set(&mut checker.cell_mut()).expect("a distance");
         let verdict = checker.verdict_of(&past(y));
         let text = checker.show(&verdict).to_string();
-        assert!(
-            text.starts_with("blocked by hand and post, ") && text.contains(words),
-            "{text}"
-        );
+        assert!(text.starts_with("blocked by hand and post, "), "{text}");
+        assert!(text.contains(words), "{text}");
         let sum = required(&verdict).distance;
         assert!(sum == distance || sum == distance.next_up(), "{text}");
         // The text is about the motion, whatever is set later.

@@ -209,10 +209,8 @@ fn segments_lead_from_end_to_end() {
                 for (body, pose) in poses.iter().enumerate() {
                     let other = segment.pose(body, t);
                     let off = (other.translation.vector - pose.translation.vector).norm();
-                    assert!(
-                        off < 1e-13 && other.rotation.angle_to(&pose.rotation) < 1e-7,
-                        "{t} {off:e}"
-                    );
+                    assert!(off < 1e-13, "{t} {off:e}");
+                    assert!(other.rotation.angle_to(&pose.rotation) < 1e-7, "{t} {off:e}");
                 }
             }
             assert!((space.distance(&from, &to) - space.distance(&to, &from)).abs() < 1e-12);
@@ -239,10 +237,8 @@ fn segments_are_the_same_motion_backwards() {
                 let [p, q] = [there.pose(0, t), back.pose(0, 1.0 - t)];
                 let off = (p.translation.vector - q.translation.vector).norm();
                 let turned = p.rotation.angle_to(&q.rotation);
-                assert!(
-                    off < 1e-12 && turned < 1e-7,
-                    "{from:?} {to:?} at {t}: {off:e} {turned:e}"
-                );
+                assert!(off < 1e-12, "{from:?} {to:?} at {t}: {off:e} {turned:e}");
+                assert!(turned < 1e-7, "{from:?} {to:?} at {t}: {off:e} {turned:e}");
             }
         }
     }

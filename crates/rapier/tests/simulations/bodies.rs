@@ -237,10 +237,8 @@ fn the_deepest_overlap_is_found() {
             "{found:?}"
         );
         assert!(found.lower <= found.upper);
-        assert!(
-            (found.upper - 0.03).abs() < 1e-4 && (found.lower - 0.03).abs() < 1e-4,
-            "{found:?}"
-        );
+        assert!((found.upper - 0.03).abs() < 1e-4, "{found:?}");
+        assert!((found.lower - 0.03).abs() < 1e-4, "{found:?}");
         s.remove(deep).expect("a ball");
         let found = s.deepest_overlap().expect("poses").expect("an overlap");
         assert!((found.upper - 0.01).abs() < 1e-3, "{found:?}");

@@ -128,10 +128,8 @@ fn dominoes_fall_in_the_same_order() {
             parry[k],
             ours[k]
         );
-        assert!(
-            (p[0] - q[0]).abs() < 0.05 && (p[1] - q[1]).abs() < 0.05,
-            "{k}: {p:?} {q:?}"
-        );
+        assert!((p[0] - q[0]).abs() < 0.05, "{k}: {p:?} {q:?}");
+        assert!((p[1] - q[1]).abs() < 0.05, "{k}: {p:?} {q:?}");
     }
 }
 
@@ -171,10 +169,8 @@ fn cuboids_ride_platforms_as_under_parry() {
     };
     for (k, (p, q)) in run(Engine::Parry).into_iter().zip(run(Engine::Ours)).enumerate() {
         // As high on the platform; how far a cuboid slips before it is carried is a matter of friction.
-        assert!(
-            (q.y - 0.4).abs() < 0.002 && (p.y - q.y).abs() < 1e-4,
-            "{k}: {p:?} {q:?}"
-        );
+        assert!((q.y - 0.4).abs() < 0.002, "{k}: {p:?} {q:?}");
+        assert!((p.y - q.y).abs() < 1e-4, "{k}: {p:?} {q:?}");
         assert!((p - q).length() < 0.02, "{k}: {p:?} {q:?}");
     }
 }

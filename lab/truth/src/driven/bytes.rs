@@ -127,10 +127,9 @@ pub fn query(
 
 /// Asserts that an outcome has no NaN and keeps its promises.
 fn sane(o: &Outcome) {
-    assert!(
-        o.lower <= o.distance && o.distance <= o.upper && o.distance.is_finite(),
-        "{o:?}"
-    );
+    assert!(o.lower <= o.distance, "{o:?}");
+    assert!(o.distance <= o.upper, "{o:?}");
+    assert!(o.distance.is_finite(), "{o:?}");
     let numbers = o.point_on_a.iter().chain(o.point_on_b.iter()).chain(o.normal.iter());
     assert!(numbers.copied().all(f64::is_finite), "{o:?}");
     assert!((o.normal.norm() - 1.0).abs() < 1e-14, "{o:?}");

@@ -141,10 +141,8 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         if d.state != ContactState::Overlapping || is_deep && x.is_convex() && y.is_convex() {
             let truth = forms::distance(x, y, &pose);
             let tie = forms::TIE;
-            assert!(
-                d.lower <= truth.upper + tie && truth.lower <= d.upper + tie,
-                "{d:?} {truth:?}"
-            );
+            assert!(d.lower <= truth.upper + tie, "{d:?} {truth:?}");
+            assert!(truth.lower <= d.upper + tie, "{d:?} {truth:?}");
         }
         self.mix.distances[0] += 1;
         self.mix.distances[1] += u64::from(d.state == ContactState::Overlapping);
@@ -188,10 +186,8 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             groups.is_some_and(|(g, h)| active(&self.main().queries(g, h)))
         };
         let must: Keys = may.iter().copied().filter(is_called).collect();
-        assert!(
-            must.is_subset(ended) && ended.is_subset(&may),
-            "{must:?} {ended:?} {may:?}"
-        );
+        assert!(must.is_subset(ended), "{must:?} {ended:?} {may:?}");
+        assert!(ended.is_subset(&may), "{must:?} {ended:?} {may:?}");
     }
 
     /// Compares the impacts of the step with samples of the motions of its tick: those of the bodies
