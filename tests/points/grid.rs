@@ -120,6 +120,7 @@ fn geometries() -> Vec<(&'static str, Geometry)> {
             solids::icosahedron(0.3).expect("a body"),
         )
     };
+    let cloud = |points, element| Geometry::from(Cloud::new(points, element).expect("a cloud"));
     let floor = HalfSpace::new(Vector3::new(0.6, 0.0, 0.8), 0.25).expect("a half-space");
     vec![
         ("mesh", mesh(&soup.triangles).into()),
@@ -130,16 +131,8 @@ fn geometries() -> Vec<(&'static str, Geometry)> {
         ("ball", Shape::ball(0.75).expect("a ball").into()),
         ("cylinder", Shape::cylinder(0.5, 0.75).expect("a cylinder").into()),
         ("half-space", floor.into()),
-        (
-            "cloud",
-            Cloud::new(&at, CloudElement::Ball(0.125)).expect("a cloud").into(),
-        ),
-        (
-            "voxels",
-            Cloud::new(&at[..20], CloudElement::Box(Vector3::repeat(0.25)))
-                .expect("a cloud")
-                .into(),
-        ),
+        ("cloud", cloud(&at, CloudElement::Ball(0.125))),
+        ("voxels", cloud(&at[..20], CloudElement::Box(Vector3::repeat(0.25)))),
         (
             "compound",
             Compound::new(at[..12].iter().map(piece).collect())

@@ -190,35 +190,18 @@ fn unions_have_the_side_and_the_distance_of_their_members() {
         let balls: Vec<_> = shifts.iter().map(|s| piece(ball.clone(), s)).collect();
         let half = Vector3::repeat(size);
         let cylinder = Shape::cylinder(size, size).expect("a cylinder");
+        let cloud = |element| Geometry::from(Cloud::new(&centres, element).expect("a cloud"));
         let all: [(&str, Geometry, bool); 6] = [
             ("boxes", Compound::new(boxes).expect("pieces").into(), true),
             ("balls", Compound::new(balls).expect("pieces").into(), false),
-            (
-                "cloud of boxes",
-                Cloud::new(&centres, CloudElement::Box(half)).expect("a cloud").into(),
-                true,
-            ),
-            (
-                "cloud of balls",
-                Cloud::new(&centres, CloudElement::Ball(0.75 * size))
-                    .expect("a cloud")
-                    .into(),
-                false,
-            ),
+            ("cloud of boxes", cloud(CloudElement::Box(half)), true),
+            ("cloud of balls", cloud(CloudElement::Ball(0.75 * size)), false),
             (
                 "cloud of radii",
-                Cloud::new(&centres, CloudElement::Balls(vec![0.75 * size; 40]))
-                    .expect("a cloud")
-                    .into(),
+                cloud(CloudElement::Balls(vec![0.75 * size; 40])),
                 false,
             ),
-            (
-                "cloud of shapes",
-                Cloud::new(&centres, CloudElement::Shape(cylinder))
-                    .expect("a cloud")
-                    .into(),
-                true,
-            ),
+            ("cloud of shapes", cloud(CloudElement::Shape(cylinder)), true),
         ];
         for (told, geometry, are_boxes) in &all {
             let query = PointQuery::new(geometry);

@@ -5,6 +5,8 @@
 
 use std::path::PathBuf;
 
+use truth::rows::rows;
+
 /// Files with more lines are listed, including their tests.
 const FILE: usize = 800;
 
@@ -173,7 +175,7 @@ fn lengths_are_listed() {
 /// The modules of the crate that the code of a folder may use, lowest layer first. A file without a
 /// row fails the test.
 fn may_use() -> Vec<[String; 2]> {
-    truth::rows::rows(include_str!("layers.txt"), "may use")
+    rows(include_str!("layers.txt"), "may use")
 }
 
 /// There are at most ten top-level modules, and no layer is in a module above the modules that use
@@ -278,73 +280,14 @@ fn data_flows_one_way() {
     none("a layer uses one above it", found);
 }
 
-/// The folders of packages around the library, with their files, lowest first: a file uses only
-/// files before it. A folder has its own line, `folder: files`. A file without a place fails the
-/// test, except those that declare the modules of a package.
-const PACKAGES: &[(&str, &[&str])] = &[
-    (
-        "crates/formats/src",
-        &[
-            "error number text xml polygon transform",
-            // What readers return.
-            "mesh scene points grid",
-            "stl obj ply msh pcd xyz npy",
-            "collada: geometry mod",
-            "gltf: json buffer mesh mod",
-            "load",
-            "volume",
-        ],
-    ),
-    (
-        "crates/parry/src/bridge",
-        &[
-            "number contact mass ray_point",
-            // Shapes.
-            "hull hull_shape mesh_shape known far part",
-            // Manifolds.
-            "manifold half_space curved convex surface mesh",
-            "cast guard dispatcher",
-            "decomposition",
-        ],
-    ),
-    (
-        "crates/plan/src",
-        &[
-            "extremes tolerance random fingerprint names error",
-            "motion: curve timed_poses joint space carried tube joint_motion tree_motion tree rigid mod",
-            "cell: attached_object mesh_hull range_body robot_model mod excluded_pairs margins_and_paddings robots",
-            "check: apart body_boxes pairs swept_boxes verdict checker certify hulls free clearance tube changes batch mod",
-            "range: verdict chain bound search contact parts prover mod pair_boxes",
-            "search: ascent freeway roadmap shorten options opportunistic rrt_connect plan speeds smooth mod",
-            "receipt: number error taylor stated surface scene obstacles groups evidence sha256 mod cells contact distance pair segment range",
-        ],
-    ),
-    (
-        "crates/robot/src",
-        &[
-            "error text turn xml_text xml csv_rows yaml",
-            "packages options mesh_file geometry",
-            // What the readers of robots return.
-            "robot link_tree qpos",
-            "groups srdf drake urdf",
-            "mjcf: element settings geom spec bodies pairs mod",
-            "trajectory message pose_file",
-            "cell_body cell cell_save",
-            "sdformat: frames values shape model include mod",
-            "load",
-            // Robots in a cell.
-            "files excludable audit recorder",
-            "cover hulls",
-        ],
-    ),
-    ("crates/clash/src", &["error model rules row find"]),
-    (
-        "crates/cli/src",
-        &[
-            "values output robot_options end text options receipt pair_boxes film drawing audit_page grid",
-            "audit cell certify clash clearance cover find_excluded inspect plan points smooth verify",
-        ],
-    ),
+/// The folders of packages around the library whose files `layers.txt` lists.
+const PACKAGES: [&str; 6] = [
+    "crates/formats/src",
+    "crates/parry/src/bridge",
+    "crates/plan/src",
+    "crates/robot/src",
+    "crates/clash/src",
+    "crates/cli/src",
 ];
 
 /// Files that declare the modules of a package.
@@ -357,8 +300,9 @@ const PASSED_ON: [&str; 1] = ["parry"];
 #[test]
 fn files_of_packages_stand_in_order() {
     let mut found = Vec::new();
-    for (root, lines) in PACKAGES {
-        let order = files_in_order(lines);
+    for root in PACKAGES {
+        let lines = rows::<1>(include_str!("layers.txt"), root);
+        let order = files_in_order(lines.as_flattened());
         let sources = below(root);
         let names: Vec<&str> = sources.iter().map(|s| s.name.trim_end_matches(".rs")).collect();
         let unknown = order.iter().filter(|file| !names.contains(&file.as_str()));
@@ -388,11 +332,13 @@ fn files_of_packages_stand_in_order() {
 }
 
 /// Returns the paths of the files that the lines of a package name, without `.rs`.
-fn files_in_order(lines: &[&str]) -> Vec<String> {
-    let files = |line: &&str| {
+fn files_in_order(lines: &[String]) -> Vec<String> {
+    let files = |line: &String| {
         let (folder, files) = line
             .split_once(": ")
-            .map_or((String::new(), *line), |(folder, files)| (format!("{folder}/"), files));
+            .map_or((String::new(), line.as_str()), |(folder, files)| {
+                (format!("{folder}/"), files)
+            });
         let each = files.split_whitespace().map(|file| format!("{folder}{file}"));
         each.collect::<Vec<_>>()
     };
@@ -551,7 +497,7 @@ fn uses_of_files_are_read() {
         (3, "root super"),
     ];
     assert_eq!(uses("gltf/mod"), told(&[&common[..], &of_mod].concat()));
-    let lines = ["error text", "gltf: json mod", "load"];
+    let lines = ["error text", "gltf: json mod", "load"].map(String::from);
     let found = files_in_order(&lines);
     assert_eq!(found, ["error", "text", "gltf/json", "gltf/mod", "load"]);
 }
