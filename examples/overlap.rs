@@ -78,7 +78,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             picture += &drawn(&Isometry3::identity(), "#4477aa");
             picture += &drawn(&pose, "#ee6677");
             for curve in curves.loops {
-                picture += &line(curve.into_iter(), "fill:#222;fill-opacity:.3;stroke:#222;stroke-width:2");
+                picture += &line(
+                    curve.into_iter(),
+                    "fill:#222;fill-opacity:.3;stroke:#222;stroke-width:2",
+                );
             }
         }
     }
