@@ -36,7 +36,7 @@ fn volumes_of_lattice_bodies_are_closed_forms() {
 }
 
 #[test]
-#[ignore = "long, not run yet: 1,000,000 pairs; cargo test --release --all-features --test meshes a_million_lattice -- --ignored --nocapture"]
+#[ignore = "23 minutes: 1,000,000 pairs; cargo test --release --all-features --test meshes a_million_lattice -- --ignored --nocapture"]
 fn volumes_of_a_million_lattice_bodies_are_closed_forms() {
     closed_forms(1_000_000..2_000_000);
 }
