@@ -52,6 +52,9 @@ pub enum ClashError {
         /// The joints of the robot.
         known: String,
     },
+    /// Joints or an SRDF are given, and not exactly one robot.
+    #[error("values of joints and an SRDF are those of one robot, and the inputs hold {0}")]
+    NotOneRobot(usize),
     /// A robot cannot be put to a configuration.
     #[error("{}: {reason}", file.display())]
     Robot {

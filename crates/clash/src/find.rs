@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread::Thread;
 use std::time::Duration;
 
 use lin_canny::broad::{Aabb, BodyOptions, SweepAndPrune};
@@ -126,9 +127,8 @@ pub fn find(
     let caller = std::thread::current();
     rayon::in_place_scope(|scope| {
         scope.spawn(|_| {
+            let _end = End(&is_over, &caller);
             rows = kept.par_iter().with_max_len(16).map(measure).collect();
-            is_over.store(true, Ordering::Release);
-            caller.unpark();
         });
         while !is_over.load(Ordering::Acquire) {
             let now = Progress::new("pairs", done.load(Ordering::Relaxed), Some(kept.len()));
@@ -148,6 +148,16 @@ pub fn find(
         excluded: pairs.len() - kept.len(),
         is_complete: measured == kept.len(),
     })
+}
+
+/// Ends the wait of the caller, also if a measurement panics.
+struct End<'a>(&'a AtomicBool, &'a Thread);
+
+impl Drop for End<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+        self.1.unpark();
+    }
 }
 
 /// Returns the pairs of parts whose boxes are at most `reach` apart, in the order of the parts.

@@ -24,6 +24,9 @@ const SHAPES: usize = 16;
 /// Extensions of mesh files, without a dot.
 const MESHES: [&str; 7] = ["stl", "obj", "dae", "ply", "gltf", "glb", "msh"];
 
+/// Extensions of robot files, without a dot.
+const ROBOTS: [&str; 3] = ["urdf", "xml", "mjcf"];
+
 /// The unit of lengths in files without one, and in all results.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -61,10 +64,10 @@ pub struct ModelOptions {
     pub repair: bool,
     /// Whether files that cannot be read are left out and listed in [`Model::failures`].
     pub keep_going: bool,
-    /// Values of joints of the robots that are read, by their names. Other joints are where the file draws
-    /// them.
+    /// Values of joints of the robot that is read, by their names, in radians or metres. Other joints are
+    /// where the file draws them.
     pub joints: Vec<(String, f64)>,
-    /// Files with link pairs of the robots that are excluded, as SRDF.
+    /// The SRDF of the robot that is read: the link pairs that it disables are excluded.
     pub srdf: Option<PathBuf>,
 }
 
@@ -211,7 +214,8 @@ impl Model {
     ///
     /// # Errors
     /// Returns the error of the first file that cannot be read or holds no mesh, unless
-    /// [`keep_going`](ModelOptions::keep_going) is set; and an error if there is no file at all.
+    /// [`keep_going`](ModelOptions::keep_going) is set; and an error if there is no file at all, or if joints
+    /// or an SRDF are given and the inputs do not hold exactly one robot.
     pub fn load(inputs: &[PathBuf], options: &ModelOptions) -> Result<Self, ClashError> {
         let mut files = Vec::new();
         for input in inputs {
@@ -225,12 +229,18 @@ impl Model {
         if files.is_empty() {
             return Err(ClashError::NoParts);
         }
+        let extension = |file: &Path| file.extension().map(|e| e.to_string_lossy().to_lowercase());
+        let is_robot = |file: &Path| extension(file).is_some_and(|e| ROBOTS.contains(&e.as_str()));
+        let robots = files.iter().filter(|(_, file)| is_robot(file)).count();
+        if robots != 1 && !(options.joints.is_empty() && options.srdf.is_none()) {
+            return Err(ClashError::NotOneRobot(robots));
+        }
         let mut model = Self::new();
         for (folder, file) in &files {
             let prefix = (files.len() > 1).then(|| name_of(folder, file));
-            let added = match file.extension().and_then(|e| e.to_str()) {
+            let added = match extension(file).as_deref() {
                 Some("json" | "sdf" | "world") => model.add_cell(file, prefix.as_deref(), options),
-                Some("urdf" | "xml" | "mjcf") => model.add_robot(file, prefix.as_deref(), options),
+                _ if is_robot(file) => model.add_robot(file, prefix.as_deref(), options),
                 _ => model.add_file(file, prefix.as_deref(), options),
             };
             match added {
@@ -272,8 +282,9 @@ impl Model {
             let known = &mut shapes[node.mesh];
             let (shape, pose) =
                 Shape::at(&read.meshes[node.mesh], &transform, known, options.repair).map_err(invalid)?;
-            let (mesh, note) = (shape.mesh.clone(), shape.note.clone());
-            self.add(&name, mesh, pose);
+            // A copy of the geometry shares the mesh.
+            let (geometry, note) = (shape.geometry.clone(), shape.note.clone());
+            self.add(&name, geometry, pose);
             if let Some(part) = self.parts.last_mut() {
                 part.note = note;
             }
@@ -372,7 +383,7 @@ impl Model {
 struct Shape {
     /// The map that was applied to the vertices.
     linear: Matrix3<f64>,
-    mesh: Mesh,
+    geometry: Geometry,
     note: Option<String>,
 }
 
@@ -406,11 +417,13 @@ impl Shape {
                 };
                 let points: Vec<Point3<f64>> = object.points.iter().map(|p| linear * Point3::from(*p)).collect();
                 let mut triangles = object.triangles.clone();
-                if linear.determinant() < 0.0 {
+                // Scaled first, so that the product stays in range.
+                if (linear / linear.amax()).determinant() < 0.0 {
                     triangles.iter_mut().for_each(|t| t.swap(1, 2));
                 }
                 let (mesh, note) = meshed(&points, &triangles, is_repaired)?;
-                known.push(Self { linear, mesh, note });
+                let geometry = mesh.into();
+                known.push(Self { linear, geometry, note });
                 (known.len() - 1, rotation)
             }
         };

@@ -62,7 +62,16 @@ fn gltf(folder: &Path, nodes: &str) -> PathBuf {
     file
 }
 
-/// The corner of the box of each part, and where its vertices are stored.
+/// The number of meshes that the parts hold in memory.
+fn meshes(model: &Model) -> usize {
+    let all = model.parts().iter().filter_map(|part| match &part.geometry {
+        Geometry::Mesh(mesh) => Some(std::sync::Arc::as_ptr(mesh)),
+        _ => None,
+    });
+    all.collect::<std::collections::HashSet<_>>().len()
+}
+
+/// The corners of the box of each part, and whether it faces outward.
 fn corners(model: &Model) -> Vec<([f64; 6], bool)> {
     let parts = model.parts().iter().map(|part| {
         let Geometry::Mesh(mesh) = &part.geometry else {
@@ -98,6 +107,8 @@ fn nodes_stand_where_the_file_puts_them() {
         names,
         ["frame/left", "frame/left/bolt", "mirror", "plate", "object4", "plate#2"]
     );
+    // Halves, of which one is turned; the mirror, the plate, and the two as they are.
+    assert_eq!(meshes(&model), 4);
     let expected = [
         [1.0, 0.0, 0.0, 1.5, 0.5, 0.5],
         [0.5, 2.0, 0.0, 1.0, 2.5, 0.5],
@@ -145,6 +156,7 @@ fn a_thousand_nodes_share_a_mesh_and_touch() {
     // Neighbours on a side, an edge and a corner; none is deeper than the rounding of a turn.
     let neighbours = (28 * 28 * 28 - 1000) / 2;
     assert_eq!((model.parts().len(), found.measured), (1000, neighbours));
+    assert_eq!(meshes(&model), 1);
     assert!(
         found.rows.iter().all(|row| !row.broken),
         "{:?}",
@@ -171,6 +183,18 @@ fn a_robot_stands_where_its_joints_put_it() {
     let bent = load(&[("elbow", 2.0)], Some(srdf)).expect("a robot");
     let moved = rest.parts().iter().zip(bent.parts()).filter(|(a, b)| a.pose != b.pose);
     assert!((1..rest.parts().len()).contains(&moved.count()));
+    // Neither is passed over without a robot, or with two.
+    for inputs in [vec![], vec![robot.clone(); 2]] {
+        let file = gltf(&folder("no_robot"), r#"{"name": "die", "mesh": 0}"#);
+        let inputs = [inputs, vec![file]].concat();
+        for options in [
+            ModelOptions::default().joints([("elbow".to_owned(), 1.0)]),
+            ModelOptions::default().srdf(Some(robot.with_extension("srdf"))),
+        ] {
+            let wrong = Model::load(&inputs, &options).expect_err("not one robot").to_string();
+            assert!(wrong.contains("those of one robot"), "{wrong}");
+        }
+    }
     let wrong = load(&[("elbw", 1.0)], None).expect_err("no joint").to_string();
     assert!(wrong.contains("no joint \"elbw\" (expected one of "), "{wrong}");
     let wrong = load(&[("elbow", f64::NAN)], None)
