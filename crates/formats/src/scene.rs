@@ -77,10 +77,10 @@ impl MeshScene {
 
 /// A scene as its reader builds it.
 #[derive(Debug)]
-pub(crate) struct Placed {
+pub(crate) struct RawScene {
     pub(crate) format: MeshFormat,
     pub(crate) meshes: Vec<MeshObject>,
-    pub(crate) places: Vec<Place>,
+    pub(crate) places: Vec<PlacedMesh>,
     pub(crate) skipped: Vec<Skipped>,
     /// Bytes of moved copies that the file may ask for.
     pub(crate) left: usize,
@@ -88,7 +88,7 @@ pub(crate) struct Placed {
 
 /// A node with a mesh, and what its errors name.
 #[derive(Debug)]
-pub(crate) struct Place {
+pub(crate) struct PlacedMesh {
     pub(crate) mesh: usize,
     pub(crate) transform: Matrix,
     /// The names of the nodes from the root.
@@ -99,7 +99,7 @@ pub(crate) struct Place {
     pub(crate) element: String,
 }
 
-impl Place {
+impl PlacedMesh {
     fn malformed(&self, why: &str) -> Fault {
         Fault::malformed(self.line, format!("{} {why}", self.element))
     }
@@ -133,7 +133,7 @@ impl Place {
     }
 }
 
-impl Placed {
+impl RawScene {
     /// Returns the file with a moved copy of each mesh for each node.
     pub(crate) fn into_file(mut self) -> Result<MeshFile, Fault> {
         let mut objects = Vec::with_capacity(self.places.len());
@@ -153,7 +153,7 @@ impl Placed {
     }
 
     pub(crate) fn into_scene(self) -> MeshScene {
-        let node = |place: Place| MeshNode {
+        let node = |place: PlacedMesh| MeshNode {
             name: match place.path.is_empty() {
                 true => {
                     let mesh = &self.meshes[place.mesh].name;

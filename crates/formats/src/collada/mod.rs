@@ -15,7 +15,7 @@ use roxmltree::NodeId;
 
 use crate::error::Fault;
 use crate::mesh::{MeshFormat, MeshObject};
-use crate::scene::{Place, Placed};
+use crate::scene::{PlacedMesh, RawScene};
 use crate::transform::{self, IDENTITY, Matrix, from_rows, product};
 use crate::xml::{Element, Text, Xml, children, elements, name, shown};
 use geometry::Geometries;
@@ -28,7 +28,7 @@ const DEPTH: usize = 1000;
 const SCENE: (usize, usize) = (64 << 20, 40);
 
 /// Reads a COLLADA file.
-pub(crate) fn read(bytes: &[u8]) -> Result<Placed, Fault> {
+pub(crate) fn read(bytes: &[u8]) -> Result<RawScene, Fault> {
     let text = Text::new(bytes);
     let document = text.parse()?;
     let xml = Xml::new(&document, &text);
@@ -42,7 +42,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Placed, Fault> {
         left: bytes.len().saturating_mul(SCENE.1).saturating_add(SCENE.0),
     };
     reader.scenes()?;
-    Ok(Placed {
+    Ok(RawScene {
         format: MeshFormat::Collada,
         meshes: reader.bodies.iter().map(|body| (**body).clone()).collect(),
         places: reader.places,
@@ -59,7 +59,7 @@ struct Reader<'a> {
     /// The geometries that the scene has, and the place of each.
     bodies: Vec<Rc<MeshObject>>,
     known: HashMap<*const MeshObject, usize>,
-    places: Vec<Place>,
+    places: Vec<PlacedMesh>,
     /// Bytes of nodes and objects that may still follow.
     left: usize,
 }
@@ -254,7 +254,7 @@ impl<'a> Reader<'a> {
 
     /// Adds a geometry with a transform.
     fn put(&mut self, body: &Rc<MeshObject>, path: String, transform: &Matrix, instance: Element) -> Result<(), Fault> {
-        self.spend(size_of::<Place>() + path.len(), instance)?;
+        self.spend(size_of::<PlacedMesh>() + path.len(), instance)?;
         if body.triangles.is_empty() {
             return Ok(());
         }
@@ -262,7 +262,7 @@ impl<'a> Reader<'a> {
             self.bodies.push(body.clone());
             self.bodies.len() - 1
         });
-        let place = Place {
+        let place = PlacedMesh {
             mesh,
             transform: *transform,
             path,

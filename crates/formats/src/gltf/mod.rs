@@ -20,7 +20,7 @@ use std::rc::Rc;
 
 use crate::error::Fault;
 use crate::mesh::{MeshFormat, MeshObject, SkippedList};
-use crate::scene::{Place, Placed};
+use crate::scene::{PlacedMesh, RawScene};
 use crate::text;
 use crate::transform::{self, IDENTITY, Matrix, from_rows, product};
 use buffer::Buffers;
@@ -60,7 +60,7 @@ const HARMLESS: [&str; 22] = [
 const UNIT: f64 = 0.01;
 
 /// Reads a glTF, whose buffers may be in files of the folder.
-pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<Placed, Fault> {
+pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<RawScene, Fault> {
     let mut skipped = SkippedList::default();
     let (json, binary) = match bytes.starts_with(b"glTF") {
         true => buffer::chunks(bytes, &mut skipped)?,
@@ -82,7 +82,7 @@ pub(crate) fn read(bytes: &[u8], folder: &Path) -> Result<Placed, Fault> {
     reader.check()?;
     let roots = reader.roots()?;
     reader.scene(roots)?;
-    Ok(Placed {
+    Ok(RawScene {
         format: MeshFormat::Gltf,
         meshes: reader.bodies,
         places: reader.places,
@@ -106,7 +106,7 @@ struct Reader<'a> {
     skins: HashMap<usize, Rc<Vec<Matrix>>>,
     /// The meshes without the transforms of nodes, and skins at rest.
     bodies: Vec<MeshObject>,
-    places: Vec<Place>,
+    places: Vec<PlacedMesh>,
 }
 
 impl<'a> Reader<'a> {
@@ -295,7 +295,7 @@ impl<'a> Reader<'a> {
         if self.bodies[body].triangles.is_empty() {
             return Ok(());
         }
-        let place = Place {
+        let place = PlacedMesh {
             mesh: body,
             transform,
             path: self.path(index)?,
@@ -303,7 +303,7 @@ impl<'a> Reader<'a> {
             line: None,
             element: node.path.clone(),
         };
-        let bytes = size_of::<Place>() + place.path.len() + place.name.len() + place.element.len();
+        let bytes = size_of::<PlacedMesh>() + place.path.len() + place.name.len() + place.element.len();
         self.meshes.spend(bytes, node)?;
         self.places.push(place.checked()?);
         Ok(())
