@@ -13,7 +13,7 @@ use std::io::{self, Write};
 pub enum Precision {
     /// Not at all.
     Double,
-    /// To `f32`, so that an engine in single precision is asked exactly what the file states.
+    /// To `f32`, so that an engine in single precision gets exactly what the file states.
     Single,
 }
 
