@@ -33,17 +33,10 @@ fn base64(bytes: &[u8]) -> String {
 
 /// Writes a glTF with nodes of one mesh, the cube from the origin to (1, 1, 1), and returns its path.
 fn gltf(folder: &Path, nodes: &str) -> PathBuf {
-    let corners = (0..8).flat_map(|k| [k & 1, k >> 1 & 1, k >> 2].map(|x| x as f32));
+    let cube = truth::soups::cuboid([0.0; 3], [1.0; 3]);
+    let corners = cube.points.iter().flatten().map(|x| *x as f32);
     let mut bytes: Vec<u8> = corners.flat_map(f32::to_le_bytes).collect();
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    bytes.extend(faces.into_iter().flat_map(|[a, b, c, d]: [u8; 4]| [a, b, c, a, c, d]));
+    bytes.extend(cube.triangles.iter().flatten().map(|v| *v as u8));
     let count = nodes.matches("{").count();
     let roots: Vec<_> = (0..count)
         .filter(|k| !nodes.contains(&format!("\"children\": [{k}]")))
