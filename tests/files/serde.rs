@@ -249,16 +249,7 @@ fn a_damaged_surface_does_no_harm() {
 /// Shapes of every kind, rounded or not; a shape that no constructor would make is rejected.
 #[test]
 fn shapes_come_back() {
-    let v = lin_canny::nalgebra::Vector3::new(0.5, 0.25, 0.75);
-    let shapes = [
-        Shape::ball(0.7),
-        Shape::capsule(0.6, 0.3),
-        Shape::cuboid(v).and_then(|s| s.rounded(0.1)),
-        Shape::cylinder(0.7, 0.5),
-        Shape::cone(0.7, 0.6),
-        Shape::ellipsoid(v).and_then(|s| s.rounded(0.1)),
-    ];
-    let shapes = shapes.map(|s| s.expect("a shape"));
+    let shapes = truth::forms::shapes([0.5, 0.25, 0.75]);
     for a in &shapes {
         let text = serde_json::to_string(a).expect("serialises");
         let back: Shape = serde_json::from_str(&text).expect("deserialises");

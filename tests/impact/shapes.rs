@@ -6,6 +6,7 @@ use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::{PairTracker, RelativePose, Shape, Velocity};
 use truth::casts;
+use truth::forms::shapes;
 use truth::rng::Rng;
 
 const TOLERANCE: f64 = 1e-9;
@@ -60,26 +61,11 @@ fn balls_meet_when_the_closed_form_says() {
     assert!(hits > 300 && misses > 300, "{hits} hits, {misses} misses");
 }
 
-fn kinds(rng: &mut Rng) -> Vec<Shape> {
-    let hull: Vec<_> = casts::body("sphere", 12, rng).vertex_points().collect();
-    [
-        Shape::ball(0.6),
-        Shape::capsule(0.8, 0.2),
-        Shape::cuboid(Vector3::new(0.5, 0.7, 0.2)).and_then(|s| s.rounded(0.1)),
-        Shape::hull(&hull),
-        Shape::cylinder(0.6, 0.4),
-        Shape::cone(0.7, 0.5),
-        Shape::ellipsoid(Vector3::new(1.0, 0.5, 0.3)),
-    ]
-    .map(|s| s.expect("a shape"))
-    .into()
-}
-
 #[test]
 fn every_pair_of_kinds_is_apart_until_it_is_hit() {
     let (mut hits, mut misses, mut open) = (0, 0, 0);
-    let shapes = kinds(&mut Rng::new(5));
-    for case in 0..700 {
+    let shapes = shapes([0.7, 0.5, 0.9]);
+    for case in 0..6 * (shapes.len() * shapes.len()) as u64 {
         let mut rng = Rng::of_case(78, case);
         let a = &shapes[case as usize % shapes.len()];
         let b = &shapes[case as usize / shapes.len() % shapes.len()];

@@ -13,6 +13,7 @@ use lin_canny::{
     Compound, ContactState, ConvexPolyhedron, Geometry, GeometryRef, Mesh, MeshKind, PairOutcome, PairTracker, Piece,
     Ray, RayCast, RayCaster, RelativePose, Shape,
 };
+use truth::forms::shapes;
 use truth::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
@@ -25,22 +26,10 @@ type Pieces = Vec<(Isometry3<f64>, Shape)>;
 /// Returns a geometry of each kind, and the pieces whose union it is.
 fn kinds() -> Vec<(Geometry, Pieces)> {
     let hull = solids::random_hull(30, Vector3::new(0.4, 0.3, 0.3), 5).unwrap();
-    let half = |x: f64| Vector3::new(x, 0.2, 0.25);
-    let mut all: Vec<(Geometry, Pieces)> = [
-        Shape::ball(0.3),
-        Shape::capsule(0.4, 0.15),
-        Shape::cuboid(half(0.3)),
-        Shape::cuboid(half(0.2)).and_then(|shape| shape.rounded(0.05)),
-        Shape::cylinder(0.3, 0.2),
-        Shape::cone(0.3, 0.25),
-        Shape::ellipsoid(Vector3::new(0.4, 0.2, 0.3)),
-    ]
-    .into_iter()
-    .map(|shape| {
-        let shape = shape.unwrap();
-        (Geometry::from(shape.clone()), vec![(Isometry3::identity(), shape)])
-    })
-    .collect();
+    let mut all: Vec<(Geometry, Pieces)> = shapes([0.3, 0.2, 0.25])
+        .into_iter()
+        .map(|shape| (Geometry::from(shape.clone()), vec![(Isometry3::identity(), shape)]))
+        .collect();
     let places = [-0.4, 0.4].map(|x| Isometry3::translation(x, 0.0, 0.1));
     let pieces = places.map(|pose| {
         let mut piece = Piece::new(Shape::ball(0.25).unwrap());
@@ -168,7 +157,8 @@ fn pose_at(frame: usize, seed: u64) -> Pose {
 
 #[test]
 fn bent_meshes_and_bodies_of_every_kind_are_as_all_pairs_say() {
-    let (all, mut tally) = (kinds(), [[0; 2]; 10]);
+    let all = kinds();
+    let mut tally = vec![[0; 2]; all.len()];
     for (k, rest) in bodies().iter().enumerate() {
         for (i, (other, pieces)) in all.iter().enumerate() {
             let way = BENDS[(i + k) % 4];

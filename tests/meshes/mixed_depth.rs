@@ -8,6 +8,7 @@ use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ContactState, GeometryRef, Mesh, PairTracker, PenetrationBounds, RelativePose, Shape};
+use truth::forms::shapes;
 use truth::pose::{norm, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
@@ -25,23 +26,11 @@ fn convex_meshes_and_shapes_of_every_kind_have_their_depth_between_the_bounds() 
         solids::geodesic_sphere(2, 0.8).unwrap(),
         solids::random_hull(40, Vector3::new(0.9, 0.8, 0.7), 3).unwrap(),
     ];
-    let shapes = [
-        Shape::ball(0.3).unwrap(),
-        Shape::capsule(0.3, 0.2).unwrap(),
-        Shape::cuboid(Vector3::new(0.2, 0.3, 0.4)).unwrap(),
-        Shape::cuboid(Vector3::new(0.2, 0.3, 0.1))
-            .unwrap()
-            .rounded(0.1)
-            .unwrap(),
-        Shape::cylinder(0.4, 0.2).unwrap(),
-        Shape::cone(0.3, 0.3).unwrap(),
-        Shape::ellipsoid(Vector3::new(0.2, 0.3, 0.4)).unwrap(),
-        Shape::cylinder(0.2, 0.3).unwrap().rounded(0.1).unwrap(),
-    ];
+    let shapes = shapes([0.2, 0.3, 0.4]);
     let mut rng = Rng::new(12);
-    let mut tally = [[0; 2]; 8];
-    for k in 0..400 {
-        let (body, shape) = (&bodies[k % 3], &shapes[k % 8]);
+    let mut tally = vec![[0; 2]; shapes.len()];
+    for k in 0..50 * shapes.len() {
+        let (body, shape) = (&bodies[k % 3], &shapes[k % shapes.len()]);
         let own = Pose::new(rng.quat(), scale(rng.unit(), 0.3));
         let placed = piece_at(own.isometry(), shape.clone());
         let (m, pieces) = (Mesh::from_convex(body).unwrap(), Compound::new(vec![placed]).unwrap());
@@ -61,8 +50,8 @@ fn convex_meshes_and_shapes_of_every_kind_have_their_depth_between_the_bounds() 
             let depth = [-truth.upper - 1e-12, -truth.lower + 1e-12];
             assert!(found.lower <= depth[1], "{k} {found:?} {truth:?}");
             assert!(depth[0] <= found.upper, "{k} {found:?} {truth:?}");
-            tally[k % 8][0] += 1;
-            tally[k % 8][1] += usize::from(found.lower > 0.9 * depth[0]);
+            tally[k % shapes.len()][0] += 1;
+            tally[k % shapes.len()][1] += usize::from(found.lower > 0.9 * depth[0]);
         }
     }
     println!("met, and lower bounds above 0.9 of the depth: {tally:?}");

@@ -11,6 +11,7 @@ use lin_canny::schedule::Schedule;
 use lin_canny::{Compound, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use truth::forms::shapes;
 use truth::rng::Rng;
 
 /// Policy that selects the queried pairs of a scene.
@@ -196,17 +197,6 @@ fn thin(k: usize, rng: &mut Rng) -> (Geometry, Compound) {
     }
 }
 
-fn convex(k: usize) -> Geometry {
-    let made = match k % 5 {
-        0 => Shape::ball(0.05),
-        1 => Shape::capsule(0.5, 0.03),
-        2 => Shape::cylinder(0.01, 0.6),
-        3 => Shape::ellipsoid(Vector3::new(0.3, 0.02, 0.4)),
-        _ => Shape::cuboid(Vector3::new(0.01, 0.8, 0.8)),
-    };
-    made.unwrap().into()
-}
-
 /// Instants of a tick at which all pairs are tested.
 const INSTANTS: usize = 40;
 
@@ -327,7 +317,10 @@ fn nothing_passes_through_unseen() {
         let mut rng = Rng::new(seed);
         let solid = fly((0..10).map(|k| thin(k, &mut rng)).collect(), queries, seed);
         let curved = fly(
-            (0..12).map(|k| (convex(k), other.clone())).collect(),
+            shapes([0.8, 0.5, 0.03])
+                .into_iter()
+                .map(|shape| (shape.into(), other.clone()))
+                .collect(),
             queries,
             seed + 50,
         );

@@ -3,6 +3,7 @@
 use crate::Random;
 use lin_canny::motion::{Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use lin_canny::shape::curved_kinds;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{Compound, ConvexPolyhedron, Mesh, Piece, RelativePose, Shape, Velocity};
 
@@ -128,7 +129,7 @@ pub fn curved() -> Vec<Shape> {
         [0., 0., -1.],
     ]
     .map(Point3::from);
-    [
+    let known = [
         Shape::ball(1.0),
         Shape::capsule(0.8, 0.5),
         Shape::cuboid(axes).and_then(|s| s.rounded(0.25)),
@@ -138,9 +139,11 @@ pub fn curved() -> Vec<Shape> {
         Shape::ellipsoid(axes),
         Shape::cylinder(0.3, 0.4).and_then(|s| s.rounded(0.1)),
         Shape::ellipsoid(axes).and_then(|s| s.rounded(0.2)),
-    ]
-    .map(|shape| shape.expect("a shape"))
-    .into()
+    ];
+    let known = known.into_iter().map(|shape| shape.expect("a shape"));
+    // Kinds after the first three, which stand above where recorded draws expect them.
+    let new = curved_kinds(axes).into_iter().skip(3).map(|(_, shape)| shape);
+    known.chain(new).collect()
 }
 
 /// A closed mesh, every triangle dented.

@@ -3,6 +3,7 @@
 use crate::soups::Soup;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
+use lin_canny::shape::curved_kinds;
 use lin_canny::surface::{BezierSurface, revolution};
 use lin_canny::{Compound, ContactState, ConvexPolyhedron, Distance, Geometry, GeometryRef, Mesh, PairTracker, Piece};
 use lin_canny::{QueryOptions, RelativePose, Shape, Tracker};
@@ -75,6 +76,26 @@ pub fn mesh(soup: &Soup) -> Mesh {
     Mesh::new(&points, &soup.triangles).expect("made meshes are sound")
 }
 
+/// Returns a convex shape of every kind in a box of these half lengths: ball, capsule, cuboid, hull
+/// and rounded cuboid, then each curved kind, sharp and rounded.
+pub fn shapes(half: [f64; 3]) -> Vec<Shape> {
+    let half = Vector3::from(half);
+    let radius = 0.25 * half.min();
+    let inner = half.add_scalar(-radius);
+    let rounded = |core: Shape| core.rounded(radius).expect("a rounded shape");
+    let cuboid = |half| Shape::cuboid(half).expect("a cuboid");
+    let mut all = vec![
+        Shape::ball(half.min()).expect("a ball"),
+        Shape::capsule(half.max() - 0.5 * half.min(), 0.5 * half.min()).expect("a capsule"),
+        cuboid(half),
+        Shape::from(solids::random_hull(60, half, 5).expect("a hull")),
+        rounded(cuboid(inner)),
+    ];
+    all.extend(curved_kinds(half).into_iter().map(|(_, shape)| shape));
+    all.extend(curved_kinds(inner).into_iter().map(|(_, shape)| rounded(shape)));
+    all
+}
+
 /// Returns the bodies of a world.
 ///
 /// By `kind`: 0 polyhedra alone, 1 curved shapes too, 2 meshes and compounds too, 3 surfaces and
@@ -94,10 +115,8 @@ pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
         all.push(convex(Shape::capsule(0.5, 0.1).expect("a capsule")));
         let cuboid = Shape::cuboid(Vector3::new(0.3, 0.2, 0.5)).expect("a cuboid");
         all.push(convex(cuboid.rounded(0.1).expect("a rounded cuboid")));
-        all.push(convex(Shape::cylinder(0.3, 0.5).expect("a cylinder")));
-        all.push(convex(
-            Shape::ellipsoid(Vector3::new(0.6, 0.3, 0.4)).expect("an ellipsoid"),
-        ));
+        let curved = curved_kinds(Vector3::new(0.5, 0.4, 0.3));
+        all.extend(curved.into_iter().map(|(_, shape)| convex(shape)));
     }
     if kind > 1 {
         // Keeps fewer convex bodies, so that most pairs have a compound.

@@ -87,10 +87,12 @@ impl Curved for Cone {
         Mass::symmetric(PI * r * r * 2.0 * h / 3.0, centroid, mean)
     }
 
-    #[cfg(test)]
-    fn samples() -> alloc::vec::Vec<Self> {
-        let sizes = [(1.3, 0.7), (100.0, 0.01), (0.003, 2.0)];
-        sizes.map(|(half_height, radius)| Self { half_height, radius }).into()
+    #[cfg(any(test, feature = "__internals"))]
+    fn of_half_lengths(half: Vector3<f64>) -> Self {
+        Self {
+            half_height: half.z,
+            radius: half.x,
+        }
     }
 }
 

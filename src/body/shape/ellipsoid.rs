@@ -85,10 +85,9 @@ impl Curved for Ellipsoid {
         Mass::symmetric(volume, Point3::origin(), a.component_mul(&a) / 5.0)
     }
 
-    #[cfg(test)]
-    fn samples() -> alloc::vec::Vec<Self> {
-        let sizes = [[1.0, 0.6, 0.3], [100.0, 0.01, 0.02], [2.0, 3.0, 0.003]];
-        sizes.map(|axes| Self { semi_axes: axes.into() }).into()
+    #[cfg(any(test, feature = "__internals"))]
+    fn of_half_lengths(half: Vector3<f64>) -> Self {
+        Self { semi_axes: half }
     }
 }
 

@@ -100,10 +100,15 @@ macro_rules! cores {
             };
         }
 
-        /// The names of all curved kinds, for tests that draw each of them.
+        /// Returns a shape of each curved kind with these half lengths of its box, by name, for
+        /// tests and pictures of all kinds. A body of revolution takes x and z.
         #[cfg(feature = "__internals")]
         #[doc(hidden)]
-        pub const CURVED_KINDS: &[&str] = &[$(stringify!($kind)),*];
+        pub fn curved_kinds(half: Vector3<f64>) -> alloc::vec::Vec<(&'static str, Shape)> {
+            [$((stringify!($kind), Core::$kind($kind::of_half_lengths(half)))),*]
+                .map(|(name, core)| (name, Shape::sharp(core)))
+                .into()
+        }
 
         /// The order in which the cores of a pair are solved.
         enum Rank {

@@ -201,7 +201,8 @@ pub(super) fn compounds(t: &mut Teller, r: &mut Random) {
         let (a, b, mesh) = (compound(r), compound(r), dented(&round(r, 24), 0.8));
         parts(t, r, 30, &a, &b);
         parts(t, r, 30, &a, &mesh);
-        let shape = curved()[r.below(9) as usize].clone();
+        let shapes = curved();
+        let shape = shapes[r.below(shapes.len() as u64) as usize].clone();
         parts(t, r, 20, &a, &shape);
         t.tell("mass", (a.mass(), a.aabb()));
     }
@@ -301,7 +302,8 @@ pub(super) fn clouds(t: &mut Teller, r: &mut Random) {
         parts(t, r, 10, &first, &mesh);
         parts(t, r, 6, &pieces, &first);
         parts(t, r, 6, &first, &second);
-        let shape = curved()[r.below(9) as usize].clone();
+        let shapes = curved();
+        let shape = shapes[r.below(shapes.len() as u64) as usize].clone();
         parts(t, r, 6, &second, &shape);
         let options = ManifoldOptions::default().prediction(0.1);
         let mut tracker = PairTracker::new();

@@ -51,7 +51,10 @@ pub(super) fn casts_of_hulls(t: &mut Teller, r: &mut Random) {
 pub(super) fn casts_of_shapes(t: &mut Teller, r: &mut Random) {
     let shapes = curved();
     for k in 0..t.rounds(500) as usize {
-        let (a, b) = (&shapes[k % 9], &shapes[r.below(9) as usize]);
+        let (a, b) = (
+            &shapes[k % shapes.len()],
+            &shapes[r.below(shapes.len() as u64) as usize],
+        );
         casts(t, r, 2, PairTracker::new().pair(a, b));
     }
 }
@@ -71,7 +74,7 @@ pub(super) fn casts_of_surfaces(t: &mut Teller, r: &mut Random) {
     for k in 0..t.rounds(20) as usize {
         let (a, b) = (bumpy(r, [2, 2], false), bumpy(r, [2, 3], true));
         casts(t, r, 1, PairTracker::new().pair(&a, &b));
-        casts(t, r, 1, PairTracker::new().pair(&a, &shapes[k % 9]));
+        casts(t, r, 1, PairTracker::new().pair(&a, &shapes[k % shapes.len()]));
     }
 }
 

@@ -204,12 +204,15 @@ pub(super) fn surfaces_zeros(t: &mut Teller, r: &mut Random) {
         t.tell("self", tracker.closest_with(&flat, &flat, &pose, &few));
         t.tell(
             "shape",
-            PairTracker::new().closest_with(&flat, &shapes[k % 9], &pose, &few),
+            PairTracker::new().closest_with(&flat, &shapes[k % shapes.len()], &pose, &few),
         );
-        for b in [&shapes[k % 9], &shapes[(k + 3) % 9]] {
+        for b in [&shapes[k % shapes.len()], &shapes[(k + 3) % shapes.len()]] {
             let mut pair = PairTracker::new();
-            t.tell("curved", pair.closest(&shapes[(k + 1) % 9], b, &pose));
-            t.tell("within", WITHIN.map(|d| pair.within(&shapes[(k + 1) % 9], b, &pose, d)));
+            t.tell("curved", pair.closest(&shapes[(k + 1) % shapes.len()], b, &pose));
+            t.tell(
+                "within",
+                WITHIN.map(|d| pair.within(&shapes[(k + 1) % shapes.len()], b, &pose, d)),
+            );
         }
     }
 }

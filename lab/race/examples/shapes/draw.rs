@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use lin_canny::nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
+use lin_canny::shape::curved_kinds;
 use lin_canny::{BoxHint, Outcome, PairTracker, RelativePose, Shape};
 use lin_canny_record::svg::{Place, Svg};
 
@@ -15,15 +16,14 @@ const MARGIN: f64 = 92.0;
 const SIDES: usize = 96;
 
 fn kinds() -> Result<Vec<(&'static str, Shape)>, lin_canny::ShapeError> {
-    Ok(vec![
+    let mut all = vec![
         ("ball", Shape::ball(0.7)?),
         ("capsule", Shape::capsule(0.6, 0.35)?),
         ("box", Shape::cuboid(Vector3::new(0.8, 0.5, 0.4))?),
         ("rounded box", Shape::cuboid(Vector3::new(0.6, 0.4, 0.3))?.rounded(0.2)?),
-        ("cylinder", Shape::cylinder(0.6, 0.5)?),
-        ("cone", Shape::cone(0.7, 0.6)?),
-        ("ellipsoid", Shape::ellipsoid(Vector3::new(0.9, 0.6, 0.35))?),
-    ])
+    ];
+    all.extend(curved_kinds(Vector3::new(0.55, 0.4, 0.7)));
+    Ok(all)
 }
 
 /// Returns the pose of the second shape, moved along the normal until the signed distance is

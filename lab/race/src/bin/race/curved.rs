@@ -40,11 +40,12 @@ fn body(kind: &str) -> Body {
         }
         "cylinder" => (Core::Cylinder(0.7, 0.5), 0.0, Shape::cylinder(0.7, 0.5)),
         "cone" => (Core::Cone(0.7, 0.6), 0.0, Shape::cone(0.7, 0.6)),
-        _ => (
+        "ellipsoid" => (
             Core::Ellipsoid([0.9, 0.6, 0.4]),
             0.0,
             Shape::ellipsoid(Vector3::new(0.9, 0.6, 0.4)),
         ),
+        other => panic!("no body is called {other}"),
     };
     let shape = shape.expect("a shape");
     let core_alone = match shape.core() {
