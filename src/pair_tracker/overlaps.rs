@@ -117,7 +117,7 @@ fn shared(meshes: &[Mesh], body: Operand) -> Result<f64, OverlapError> {
         let (low, high) = &boxes[i];
         for &j in order[at + 1..].iter().take_while(|j| boxes[**j].0.x <= high.x) {
             if (0..3).all(|k| low[k] <= boxes[j].1[k] && boxes[j].0[k] <= high[k]) {
-                let found = volume::overlap(&meshes[i], &meshes[j], &pose);
+                let found = volume::overlap(&meshes[i], &meshes[j], &pose, 0.0);
                 if found.lower > 0.0 {
                     let pieces = [i.min(j), i.max(j)];
                     return Err(OverlapError::Pieces { body, pieces });
@@ -232,7 +232,7 @@ impl PairTracker {
     ) -> Result<OverlapVolume, OverlapError> {
         let bodies = [a.into(), b.into()];
         let [a, b] = self.solids(bodies)?;
-        let found = volume::overlap(a.mesh, b.mesh, a_from_b).reduced_by(a.shared() + b.shared());
+        let found = volume::overlap(a.mesh, b.mesh, a_from_b, a.shared() + b.shared());
         // Polyhedra, and pieces that do not overlap, cover no point twice.
         let may_cover = a.copy.is_none() || b.copy.is_none();
         Ok(OverlapVolume {

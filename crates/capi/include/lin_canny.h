@@ -485,6 +485,8 @@ typedef struct lc_overlap_volume {
   double upper;
   // The centre of mass of the common part; NaN unless the volume is certainly positive.
   double centroid[3];
+  // Bound of the error of each coordinate of the centroid; 0 without a centroid.
+  double centroid_error;
   // 1 if a solid was found to cover points twice or to face inward: each point counts by both
   // winding numbers then.
   uint32_t covers_itself;

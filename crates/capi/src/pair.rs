@@ -148,6 +148,8 @@ pub struct lc_overlap_volume {
     pub upper: f64,
     /// The centre of mass of the common part; NaN unless the volume is certainly positive.
     pub centroid: [f64; 3],
+    /// Bound of the error of each coordinate of the centroid; 0 without a centroid.
+    pub centroid_error: f64,
     /// 1 if a solid was found to cover points twice or to face inward: each point counts by both
     /// winding numbers then.
     pub covers_itself: u32,
@@ -628,6 +630,7 @@ pub unsafe extern "C" fn lc_pair_overlap(
                 lower: found.lower,
                 upper: found.upper,
                 centroid: centroid.map_or([f64::NAN; 3], Into::into),
+                centroid_error: found.centroid_error,
                 covers_itself: found.covers_itself.into(),
                 reserved: 0,
             };

@@ -155,6 +155,7 @@ def test_overlap_of_solids():
     volume = np.prod(2 * half - shift)
     assert found.lower <= volume <= found.upper <= found.lower + 1e-12 * volume
     assert np.allclose(found.centroid, [1, 2, 3] + shift / 2) and not found.covers_itself
+    assert 0 < found.centroid_error < 1e-14
     (loop,) = found.loops
     assert loop.shape[1] == 3 and np.abs(loop - [1, 2, 3]).max() < 1.5 * half.max()
     poses = [[x, 0, 0, *ONE] for x in (0, half[0], 5 * half[0])]

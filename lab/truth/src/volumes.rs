@@ -47,6 +47,23 @@ fn six([a, b, c, d]: &Tetrahedron) -> RBig {
     dot(&sub(b, a), &cross(&sub(c, a), &sub(d, a)))
 }
 
+/// Returns the volume of a closed mesh and its first moments, each point counted by its winding
+/// number.
+#[must_use]
+pub fn whole(mesh: &Exact) -> (RBig, Place) {
+    let origin = [RBig::ZERO, RBig::ZERO, RBig::ZERO];
+    let (mut volume, mut moment) = (RBig::ZERO, origin.clone());
+    for t in &mesh.triangles {
+        let [a, b, c] = t.map(|v| mesh.points[v as usize].clone());
+        let own = six(&[origin.clone(), a.clone(), b.clone(), c.clone()]);
+        for k in 0..3 {
+            moment[k] += (&a[k] + &b[k] + &c[k]) * &own;
+        }
+        volume += own;
+    }
+    (volume / RBig::from(6), moment.map(|m| m / RBig::from(24)))
+}
+
 /// The half-space `n . x <= level`.
 struct Half {
     n: Place,

@@ -61,6 +61,22 @@ impl Counted {
         Self { value, error: 0.0 }
     }
 
+    /// Returns the number times a power of two.
+    pub(super) fn scaled(&self, power: f64) -> Self {
+        Self {
+            value: self.value.scaled(power),
+            error: self.error * power.abs(),
+        }
+    }
+
+    /// Returns the number with a larger error.
+    pub(super) fn lossy(self, lost: f64) -> Self {
+        Self {
+            error: self.error + lost,
+            ..self
+        }
+    }
+
     /// Adds the rounding of the value to errors of its terms.
     #[inline]
     fn rounded(value: DoubleDouble, error: f64) -> Self {

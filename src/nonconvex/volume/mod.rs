@@ -30,12 +30,13 @@ mod sums;
 mod surfaces;
 mod ties;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use crate::base::num::double_double::{DoubleDouble, two_product};
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::UNIT;
+use crate::body::polyhedron::{exponent_of, power_of_two};
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::query::state::PosedTrees;
 
@@ -65,11 +66,14 @@ pub struct OverlapVolume {
     pub lower: f64,
     /// Upper bound in the caller's unit cubed.
     pub upper: f64,
-    /// The centre of mass of the common part, in A's frame, up to rounding.
+    /// The centre of mass of the common part, in A's frame.
     ///
     /// It may be outside a common part that is not convex. `None` unless the volume is certainly
     /// positive.
     pub centroid: Option<Point3<f64>>,
+    /// Bound of the error of each coordinate of the centroid, in the caller's unit. Zero without a
+    /// centroid.
+    pub centroid_error: f64,
     /// Whether a winding number other than 0 and 1 was found.
     ///
     /// Then a body covers points twice, or its triangles face inward, and the volume counts each
@@ -85,6 +89,7 @@ impl OverlapVolume {
         lower: 0.0,
         upper: 0.0,
         centroid: None,
+        centroid_error: 0.0,
         covers_itself: false,
     };
 
@@ -93,21 +98,12 @@ impl OverlapVolume {
     pub fn volume(&self) -> f64 {
         0.5 * self.lower + 0.5 * self.upper
     }
-
-    /// Returns the bounds of a volume that may be less, by at most `less`.
-    pub(crate) fn reduced_by(mut self, less: f64) -> Self {
-        if less > 0.0 {
-            self.lower = (self.lower - less).next_down();
-        }
-        if !(self.lower > 0.0) {
-            self.centroid = None;
-        }
-        self
-    }
 }
 
 /// Returns the volume that two solids share.
-pub(crate) fn overlap(a: &Mesh, b: &Mesh, pose: &RelativePose) -> OverlapVolume {
+///
+/// Up to `twice`, in the caller's unit cubed, is counted twice.
+pub(crate) fn overlap(a: &Mesh, b: &Mesh, pose: &RelativePose, twice: f64) -> OverlapVolume {
     let Some(mut surfaces) = Surfaces::new(a, b, pose) else {
         let is_apart = PosedTrees::far::<()>(a, b, pose).lower > 0.0;
         return if is_apart { OverlapVolume::NONE } else { unknown(a, b) };
@@ -128,17 +124,30 @@ pub(crate) fn overlap(a: &Mesh, b: &Mesh, pose: &RelativePose) -> OverlapVolume 
     // counts by its winding number.
     let moved = 6.0 * surfaces.rounding() * f64::from(most);
     narrow(&sums, &terms, &mut total, moved, surfaces.size());
+    let unit = a.unit();
+    let doubt = moved + 6.0 * (twice / unit / unit / unit);
+    let centroid = sums.centroid(&total, doubt);
     total.six.error += moved;
-    let (lower, upper) = bounds(&total.six, a.unit());
+    let (mut lower, upper) = bounds(&total.six, unit);
+    if twice > 0.0 {
+        lower = (lower - twice).next_down();
+    }
+    let (centroid, centroid_error) = given(a, centroid.filter(|_| lower > 0.0)).unzip();
     OverlapVolume {
         lower,
         upper,
-        centroid: (lower > 0.0)
-            .then(|| sums.centroid(&total))
-            .flatten()
-            .map(|c| a.given(&c.coords)),
+        centroid,
+        centroid_error: centroid_error.unwrap_or(0.0),
         covers_itself: range[0] < 0 || range[1] > 1,
     }
+}
+
+/// Returns a centre in the caller's frame and unit, with a bound of the error of each coordinate.
+fn given(mesh: &Mesh, centre: Option<(Vector3<f64>, f64)>) -> Option<(Point3<f64>, f64)> {
+    let (stored, error) = centre?;
+    let centre = mesh.given(&stored);
+    let size = stored.amax() * mesh.unit() + centre.coords.amax();
+    Some((centre, error * mesh.unit() + 8.0 * UNIT * size + f64::MIN_POSITIVE))
 }
 
 /// Returns the curves of two solids; `None` if they are out of range of each other.
@@ -260,11 +269,37 @@ impl Mesh {
         if !self.is_solid() {
             return (0.0, 0.0);
         }
+        bounds(&self.counted_moments().0.six, self.unit())
+    }
+
+    /// Returns the centre of mass in the caller's unit, and a bound of the error of each coordinate.
+    ///
+    /// `None` for open meshes, and unless the volume is certainly positive. A point with winding
+    /// number w counts w times, as in [`centroid`](Self::centroid).
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::Vector3;
+    /// use lin_canny::{Mesh, polyhedron::solids};
+    ///
+    /// let cube = solids::cuboid(Vector3::new(0.1, 0.2, 0.3))?;
+    /// let (centre, error) = Mesh::from_convex(&cube)?.centroid_bounds().expect("a solid");
+    /// assert!(centre.coords.amax() <= error && error < 1e-15);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn centroid_bounds(&self) -> Option<(Point3<f64>, f64)> {
+        if !self.is_solid() {
+            return None;
+        }
+        let (total, middle, unit) = self.counted_moments();
+        given(self, total.centre(&middle, unit, [0.0; 2]))
+    }
+
+    /// Returns the sum over all triangles, its origin, and the unit of its moments.
+    fn counted_moments(&self) -> (Total, Vector3<f64>, f64) {
         let middle = self.low * 0.5 + self.high * 0.5;
-        let all = 0..self.triangle_count() as u32;
-        let six = all.fold(Counted::default(), |sum, t| {
-            sum.plus(&sums::six(&self.corners(t), &middle))
-        });
-        bounds(&six, self.unit())
+        let unit = power_of_two(exponent_of((self.high - self.low).amax().larger(f64::MIN_POSITIVE)));
+        let corners = (0..self.triangle_count() as u32).map(|t| self.corners(t));
+        (Total::between(corners, &middle, unit), middle, unit)
     }
 }

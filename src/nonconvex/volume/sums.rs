@@ -21,10 +21,9 @@ use nalgebra::{Point3, Vector3};
 use super::arithmetic::{Arithmetic, Counted, Triple, between, cross, dot};
 use super::crossings::{Crossing, Crossings, Segment};
 use super::surfaces::Surfaces;
-use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
-use crate::base::tolerance::LOST_TERM;
+use crate::base::tolerance::{LOST_TERM, UNIT};
 use crate::body::polyhedron::{exponent_of, power_of_two};
 use crate::nonconvex::query::triangle::Triangle;
 
@@ -58,17 +57,65 @@ pub(super) struct Sums<'a> {
     crossings: &'a Crossings,
     /// The origin of the sums.
     pub(super) origin: Vector3<f64>,
-    /// A power of two near the lengths, by which moments are divided so that they stay in range.
+    /// A power of two near the lengths: the unit of the moments.
     unit: f64,
 }
 
-/// The sum of all terms: six times the volume, and 24 times the first moments about the origin of
-/// the sums.
+/// The sum of all terms: six times the volume, and 24 times the first moments about an origin.
 #[derive(Default)]
 pub(super) struct Total {
     pub(super) six: Counted,
-    /// In units of [`Sums::unit`] times those of `six`.
-    moment: [DoubleDouble; 3],
+    /// Divided by a unit of length, so that they stay in range.
+    moment: Triple<Counted>,
+}
+
+impl Total {
+    /// Returns the sum over triangles of the volume between each of them and an origin.
+    pub(super) fn between(triangles: impl Iterator<Item = Triangle>, origin: &Vector3<f64>, unit: f64) -> Self {
+        let mut total = Self::default();
+        for corners in triangles {
+            let six = six::<Counted>(&corners, origin);
+            let [a, b, c] = corners.each(|p| between::<Counted>(origin, &p));
+            for k in 0..3 {
+                let lever = a[k].plus(&b[k]).plus(&c[k]).scaled(1.0 / unit);
+                total.moment[k] = total.moment[k].plus(&six.times(&lever)).lossy(lost(unit));
+            }
+            total.six = total.six.plus(&six);
+        }
+        total
+    }
+
+    /// Returns the centre of mass, and a bound of the error of each coordinate. `None` if they are
+    /// not finite.
+    ///
+    /// Six times a volume of `doubt` is counted or not, up to `reach` from the origin.
+    pub(super) fn centre(
+        &self,
+        origin: &Vector3<f64>,
+        unit: f64,
+        [doubt, reach]: [f64; 2],
+    ) -> Option<(Vector3<f64>, f64)> {
+        let least = self.six.value.hi * (1.0 - 8.0 * UNIT) - (self.six.error + doubt) * (1.0 + 8.0 * UNIT);
+        let four = self.six.value.scaled(4.0);
+        let mut worst = 0.0_f64;
+        let centre = Vector3::from([0, 1, 2].each(|k: usize| {
+            let moment = &self.moment[k];
+            let shift = (moment.value / four).hi * unit;
+            // The part of the moment that is unknown, and of the volume; then three roundings.
+            let unknown = 0.25 * moment.error * unit + doubt * reach + shift.abs() * (self.six.error + doubt);
+            let at = origin[k] + shift;
+            worst = worst.larger(unknown / least + 4.0 * UNIT * (shift.abs() + at.abs()));
+            at
+        }));
+        let error = worst * (1.0 + 16.0 * UNIT) + f64::MIN_POSITIVE;
+        (least > 0.0 && centre.iter().all(|x| x.is_finite()) && error.is_finite()).then_some((centre, error))
+    }
+}
+
+/// Returns a bound of what a term loses by underflow.
+fn lost(size: f64) -> f64 {
+    let size = size.larger(1.0);
+    LOST_TERM * size * size * size
 }
 
 /// Returns six times the volume between a triangle and a point.
@@ -242,13 +289,17 @@ impl<'a> Sums<'a> {
 
     /// Returns a bound of what a term loses by underflow.
     pub(super) fn lost(&self) -> f64 {
-        let size = self.unit.larger(1.0);
-        LOST_TERM * size * size * size
+        lost(self.unit)
     }
 
-    /// Returns a number about the origin of the sums in units of the moments.
-    fn scaled(&self, x: f64, k: usize) -> DoubleDouble {
-        DoubleDouble::sum(x, -self.origin[k]).scaled(1.0 / self.unit)
+    /// Returns a coordinate about the origin of the sums in units of the moments.
+    fn lever(&self, x: f64, k: usize) -> Counted {
+        Counted::difference(x, self.origin[k]).scaled(1.0 / self.unit)
+    }
+
+    /// Adds to the moments along an axis.
+    fn add(&self, total: &mut Total, k: usize, moment: &Counted) {
+        total.moment[k] = total.moment[k].plus(moment).lossy(self.lost());
     }
 
     /// Adds the moments of a face.
@@ -263,19 +314,21 @@ impl<'a> Sums<'a> {
         let (surface, side) = (&self.surfaces.of[of], &self.crossings.of[of]);
         let (winding, edge) = self.base(of, t);
         // The integrals of the winding number, and of twice the winding number times the part.
-        let mut mean = DoubleDouble::from(f64::from(winding));
-        let mut lever = mean;
+        let mut mean = Counted::whole(winding);
+        let mut tilt = mean;
         for &(_, k) in &side.based[based] {
-            let part = passages[k as usize].part.value;
-            let sign = DoubleDouble::from(f64::from(side.all[k as usize].leaves));
-            (mean, lever) = (mean + sign * part, lever + sign * part * part);
+            let part = &passages[k as usize].part;
+            let sign = Counted::whole(side.all[k as usize].leaves.into());
+            (mean, tilt) = (mean.plus(&sign.times(part)), tilt.plus(&sign.times(part).times(part)));
         }
         let corners = surface.corners(t);
-        let six = six::<Counted>(&corners, &self.origin).value;
+        let six = six::<Counted>(&corners, &self.origin);
         let [p, q] = edge.each(|v| surface.point(v));
         for k in 0..3 {
-            let [corner, low, high] = [corners[0][k], p[k], q[k]].each(|x| self.scaled(x, k));
-            total.moment[k] = total.moment[k] + six * (mean * (corner + low + low) + lever * (high - low));
+            let [corner, low, high] = [corners[0][k], p[k], q[k]].each(|x| self.lever(x, k));
+            let level = mean.times(&corner.plus(&low).plus(&low));
+            let moment = six.times(&level.plus(&tilt.times(&high.minus(&low))));
+            self.add(total, k, &moment);
         }
     }
 
@@ -287,19 +340,21 @@ impl<'a> Sums<'a> {
         for (body, sign) in [(0, 1.0), (1, -1.0)] {
             let surface = &self.surfaces.of[body];
             let corner = surface.point(surface.vertices(of[body])[0]);
-            let six = dot(&between(&self.origin, corner), &across).value.scaled(sign);
+            let six = dot(&between(&self.origin, corner), &across).scaled(sign);
             for k in 0..3 {
-                let ends = (start[k].value + end[k].value).scaled(1.0 / self.unit);
-                total.moment[k] = total.moment[k] + six * (self.scaled(corner[k], k) + ends);
+                let ends = start[k].plus(&end[k]).scaled(1.0 / self.unit);
+                self.add(total, k, &six.times(&self.lever(corner[k], k).plus(&ends)));
             }
         }
     }
 
-    /// Returns the centre of mass in the stored frame of A; `None` if it is not finite.
-    pub(super) fn centroid(&self, total: &Total) -> Option<Point3<f64>> {
-        let four = total.six.value * DoubleDouble::from(4.0);
-        let shift = total.moment.each(|m| (m / four).hi * self.unit);
-        let centroid = Point3::from(self.origin + Vector3::from(shift));
-        centroid.iter().all(|x| x.is_finite()).then_some(centroid)
+    /// Returns the centre of mass in the stored frame of A, and a bound of the error of each
+    /// coordinate. `None` if they are not finite.
+    ///
+    /// Six times a volume of `doubt` is counted or not.
+    pub(super) fn centroid(&self, total: &Total, doubt: f64) -> Option<(Vector3<f64>, f64)> {
+        // Half of the common box, with its rounding.
+        let reach = self.surfaces.size() + self.surfaces.grown();
+        total.centre(&self.origin, self.unit, [doubt, reach])
     }
 }

@@ -437,11 +437,16 @@ impl<'a> Surfaces<'a> {
         let area = |k: usize| {
             let surface = &self.of[k];
             if surface.off > 0.0 {
-                surface.off * surface.area_in(&self.common.grown(4.0 * self.posed.frame.error))
+                surface.off * surface.area_in(&self.common.grown(self.grown()))
             } else {
                 0.0
             }
         };
         (area(0) + area(1)) * (1.0 + 8.0 * UNIT)
+    }
+
+    /// Returns by how much the common box grows by rounding at most.
+    pub(super) fn grown(&self) -> f64 {
+        4.0 * self.posed.frame.error
     }
 }

@@ -64,7 +64,8 @@ impl Scene {
         match found {
             Ok(v) if v.lower > 1e-6 * cubed => {
                 self.plain("overlap", (v.lower / cubed, v.upper / cubed, v.covers_itself));
-                self.lengths("centroid", v.centroid.iter().flat_map(|p| p.iter().copied()));
+                let centre = v.centroid.iter().flat_map(|p| p.iter().copied());
+                self.lengths("centroid", centre.chain([v.centroid_error]));
             }
             Ok(v) => self.plain("overlap", v.upper > 1e-6 * cubed),
             Err(e) => self.plain("overlap", e),

@@ -324,6 +324,7 @@ fn volumes_have_the_bits_of_rust() {
                 bits(c.centroid),
                 "{name}"
             );
+            assert_eq!(r.centroid_error.to_bits(), c.centroid_error.to_bits(), "{name}");
             assert_eq!(u32::from(r.covers_itself), c.covers_itself, "{name}");
             found += 1;
         }

@@ -41,6 +41,12 @@ impl OverlapVolume {
         Some(triple(py, (self.pose.poses().0 * centroid).coords.into()))
     }
 
+    /// Bound of the error of each coordinate of the centroid; 0 without a centroid.
+    #[getter]
+    fn centroid_error(&self) -> f64 {
+        self.found.centroid_error
+    }
+
     /// Whether a body was found to cover points twice, or to face inward: the volume counts each
     /// point by both winding numbers then.
     #[getter]
