@@ -12,6 +12,7 @@ mod oracle;
 mod parry;
 mod predicates;
 mod protocols;
+mod queries;
 mod rounded;
 mod seeds;
 mod subnormal;

@@ -73,8 +73,9 @@ fn nearest(p: &IntVec, body: &Placed) -> Frac {
     corner.chain(edge).chain(face).reduce(less).expect("a body has points")
 }
 
-/// Returns the least squared distance over all pairs of features.
-fn least(a: &Placed, b: &Placed) -> Frac {
+/// Returns the least squared distance over all pairs of features: the distance of surfaces that do
+/// not pass through each other.
+pub(crate) fn least(a: &Placed, b: &Placed) -> Frac {
     let from_a = a.points.iter().map(|p| nearest(p, b));
     let from_b = b.points.iter().map(|p| nearest(p, a));
     let edges = a
@@ -88,16 +89,21 @@ fn least(a: &Placed, b: &Placed) -> Frac {
         .expect("a body has points")
 }
 
-/// Returns the largest gap over all facet directions, or the first positive gap, as (gap, |n|^2).
-fn widest_gap(a: &Placed, b: &Placed) -> Frac {
+/// Returns the normals of all facets that the difference of two bodies may have.
+pub(crate) fn facet_normals<'a>(a: &'a Placed, b: &'a Placed) -> impl Iterator<Item = IntVec> + 'a {
     let normals = a.faces.iter().chain(&b.faces).map(|f| f.1.clone());
     let crosses = a.edges.iter().flat_map(|e| {
         b.edges
             .iter()
             .map(move |f| cross(&sub(&e[1], &e[0]), &sub(&f[1], &f[0])))
     });
+    normals.chain(crosses).filter(|n| n.iter().any(|x| !x.is_zero()))
+}
+
+/// Returns the largest gap over all facet directions, or the first positive gap, as (gap, |n|^2).
+fn widest_gap(a: &Placed, b: &Placed) -> Frac {
     let mut best: Option<Frac> = None;
-    for n in normals.chain(crosses).filter(|n| n.iter().any(|x| !x.is_zero())) {
+    for n in facet_normals(a, b) {
         let ((a_min, a_max), (b_min, b_max), n2) = (a.extent(&n), b.extent(&n), dot(&n, &n));
         let gap = (b_min - a_max).max(a_min - b_max); // along n and along -n
         if gap > IBig::ZERO {

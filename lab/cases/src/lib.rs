@@ -1,4 +1,4 @@
-//! Hard pairs of convex bodies with their exact answers.
+//! Hard pairs of convex bodies with their exact answers; points, rays and pairs of meshes, and casts.
 //!
 //! Nothing here uses code of an engine. The package works on plain data: a point is `[f64; 3]`, a
 //! face is a list of point indices counter-clockwise from outside, a pose is [`Pose`]. The program
@@ -9,6 +9,8 @@
 //! | [`families`] | the families of cases, and the suites made of them |
 //! | [`maker`] | writes the cases of one family, and puts a body at a wanted distance |
 //! | [`minkowski`] | exact contact state, distance, normal and witness points of bodies of any size |
+//! | [`queries`], [`solid`] | points, rays and pairs of meshes, casts of convex bodies, and their exact answers |
+//! | [`volumes`] | the exact volume that two meshes share |
 //! | [`exact`] | the naive oracle of the same for small bodies, which judges `minkowski` |
 //! | [`bound`] | exact checks of an outcome for bodies of any size |
 //! | [`suite`] | reads and writes files of cases |
@@ -28,12 +30,15 @@ pub mod maker;
 pub mod minkowski;
 mod polytope;
 pub mod pose;
+pub mod queries;
 pub mod rational;
 #[path = "../../../tests/support/rng.rs"]
 pub mod rng;
 pub mod shapes;
+pub mod solid;
 pub mod suite;
 pub mod verdict;
+pub mod volumes;
 
 pub use body::Body;
 pub use pose::{Point, Pose};

@@ -2,8 +2,10 @@
 
 use crate::minkowski::{self, size};
 use crate::pose::{add, scale};
+use crate::queries::{Query, QueryCase};
 use crate::rng::Rng;
 use crate::shapes::Shape;
+use crate::solid;
 use crate::suite::{self, Case, Header, Line, SuiteShape, Truth};
 use crate::{Body, ContactState, Point, Pose};
 use std::io::{self, Write};
@@ -36,6 +38,8 @@ pub struct Maker<W> {
     precision: Precision,
     /// The bodies, and their numbers in the file as soon as a case uses them.
     bodies: Vec<(Shape, Option<usize>)>,
+    /// The bodies that are meshes.
+    meshes: Vec<BodyId>,
     named: usize,
     cases: u64,
     motions: u64,
@@ -57,13 +61,21 @@ pub enum Frame {
 
 impl<W: Write> Maker<W> {
     /// Starts a file.
-    pub fn new(mut out: W, name: &str, seed: u64, count: usize, precision: Precision) -> io::Result<Self> {
+    pub fn new(
+        mut out: W,
+        version: u32,
+        name: &str,
+        seed: u64,
+        count: usize,
+        precision: Precision,
+    ) -> io::Result<Self> {
         let name = name.to_owned();
-        suite::write(&mut out, &Line::Header(Header { version: 1, name, seed }))?;
+        suite::write(&mut out, &Line::Header(Header { version, name, seed }))?;
         Ok(Self {
             out,
             precision,
             bodies: Vec::new(),
+            meshes: Vec::new(),
             named: 0,
             cases: 0,
             motions: 0,
@@ -91,6 +103,24 @@ impl<W: Write> Maker<W> {
         let shape = if is_known { shape } else { shape.solved() };
         self.bodies.push((shape, None));
         BodyId(self.bodies.len() - 1)
+    }
+
+    /// Adds a closed mesh of triangles.
+    pub fn mesh(&mut self, mut shape: Shape) -> BodyId {
+        let precision = self.precision;
+        shape.points.iter_mut().for_each(|p| *p = precision.round(*p));
+        self.bodies.push((shape, None));
+        let id = BodyId(self.bodies.len() - 1);
+        self.meshes.push(id);
+        id
+    }
+
+    /// Returns the corners of a random triangle, in random order.
+    pub fn triangle(&mut self, mesh: BodyId) -> [Point; 3] {
+        let shape = &self.bodies[mesh.0].0;
+        let face = self.rng.pick(&shape.faces);
+        let first = self.rng.below(3);
+        [0, 1, 2].map(|k| shape.points[face[(first + k) % 3] as usize])
     }
 
     /// Adds `n` bodies that `draw` returns.
@@ -159,6 +189,81 @@ impl<W: Write> Maker<W> {
         self.frame(level, Frame::Alone, (a, pose_a), (b, pose_b))
     }
 
+    /// Writes the side and the distance of a point from a mesh.
+    pub fn point(&mut self, level: &str, mesh: BodyId, point: Point) -> io::Result<()> {
+        let point = self.precision.round(point);
+        let mesh = self.named(mesh)?;
+        self.query(level, Query::Point { mesh, point })
+    }
+
+    /// Writes a pair of meshes.
+    pub fn meshes(&mut self, level: &str, a: (BodyId, Pose), b: (BodyId, Pose)) -> io::Result<()> {
+        let [pose_a, pose_b] = [self.rounded(a.1), self.rounded(b.1)];
+        let [a, b] = [self.named(a.0)?, self.named(b.0)?];
+        self.query(level, Query::Meshes { a, b, pose_a, pose_b })
+    }
+
+    /// Returns the contact state of two meshes.
+    pub fn state(&self, a: (BodyId, Pose), b: (BodyId, Pose)) -> ContactState {
+        let query = Query::Meshes {
+            a: a.0.0,
+            b: b.0.0,
+            pose_a: a.1,
+            pose_b: b.1,
+        };
+        solid::solve(&query, |id| &self.bodies[id].0).state
+    }
+
+    /// Writes a translation of B at a velocity.
+    pub fn cast(&mut self, level: &str, a: (BodyId, Pose), b: (BodyId, Pose), velocity: Point) -> io::Result<()> {
+        let [pose_a, pose_b] = [self.rounded(a.1), self.rounded(b.1)];
+        let velocity = self.precision.round(velocity);
+        let [a, b] = [self.named(a.0)?, self.named(b.0)?];
+        let query = Query::Cast {
+            a,
+            b,
+            pose_a,
+            pose_b,
+            velocity,
+        };
+        self.query(level, query)
+    }
+
+    /// Writes a ray against a mesh.
+    pub fn ray(&mut self, level: &str, mesh: BodyId, origin: Point, direction: Point) -> io::Result<()> {
+        let [origin, direction] = [origin, direction].map(|p| self.precision.round(p));
+        let mesh = self.named(mesh)?;
+        let query = Query::Ray {
+            mesh,
+            origin,
+            direction,
+        };
+        self.query(level, query)
+    }
+
+    fn query(&mut self, level: &str, query: Query) -> io::Result<()> {
+        let shape = |id: usize| {
+            let named = self.bodies.iter().find(|body| body.1 == Some(id));
+            &named.expect("a body of the file").0
+        };
+        let case = QueryCase {
+            id: self.cases,
+            family: self.family.to_owned(),
+            level: level.to_owned(),
+            truth: Some(solid::solve(&query, shape)),
+            query,
+        };
+        self.cases += 1;
+        suite::write(&mut self.out, &Line::Query(Box::new(case)))
+    }
+
+    fn rounded(&self, pose: Pose) -> Pose {
+        Pose {
+            q: self.precision.round(pose.q),
+            t: self.precision.round(pose.t),
+        }
+    }
+
     /// Writes a motion of B past A, frame by frame.
     pub fn motion(&mut self, level: &str, a: BodyId, pose_a: Pose, b: BodyId, poses: &[Pose]) -> io::Result<()> {
         for (k, pose_b) in poses.iter().enumerate() {
@@ -169,12 +274,7 @@ impl<W: Write> Maker<W> {
     }
 
     fn frame(&mut self, level: &str, frame: Frame, a: (BodyId, Pose), b: (BodyId, Pose)) -> io::Result<()> {
-        let precision = self.precision;
-        let round = |p: Pose| Pose {
-            q: precision.round(p.q),
-            t: precision.round(p.t),
-        };
-        let (pose_a, pose_b) = (round(a.1), round(b.1));
+        let (pose_a, pose_b) = (self.rounded(a.1), self.rounded(b.1));
         let truth = self.solve(a.0, &pose_a, b.0, &pose_b);
         let [a, b] = [self.named(a.0)?, self.named(b.0)?];
         let (sequence, frame) = match frame {
@@ -206,8 +306,8 @@ impl<W: Write> Maker<W> {
         };
         *number = Some(id);
         self.named += 1;
-        let shape = shape.clone();
-        suite::write(&mut self.out, &Line::Shape(SuiteShape { id, shape }))?;
+        let (shape, is_mesh) = (shape.clone(), self.meshes.contains(&body));
+        suite::write(&mut self.out, &Line::Shape(SuiteShape { id, shape, is_mesh }))?;
         Ok(id)
     }
 }

@@ -1,8 +1,9 @@
-//! Reader and writer of case files: pairs of bodies at two poses, with or without exact values.
+//! Reader and writer of case files: queries of bodies, with or without exact values.
 //! `tests/CASES.md` defines the format.
 //!
 //! Files may be large, so [`Reader`] returns one line at a time and stores no more than that line.
 
+use crate::queries::{QueryCase, RawQuery};
 use crate::shapes::Shape;
 use crate::verdict::ContactState;
 use crate::{Face, Point, Pose};
@@ -19,14 +20,16 @@ pub enum Line {
     Header(Header),
     /// A body; it precedes the first case that refers to it.
     Shape(SuiteShape),
-    /// A case.
+    /// A pair of convex bodies.
     Case(Box<Case>),
+    /// Another query (version 2).
+    Query(Box<QueryCase>),
 }
 
 /// Name and seed of a file.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Header {
-    /// Version of the format; must be 1.
+    /// Version of the format: 1, or 2 with meshes and queries of them.
     pub version: u32,
     /// Name of the file's kind.
     #[serde(default)]
@@ -43,6 +46,8 @@ pub struct SuiteShape {
     pub id: usize,
     /// Points and faces; a flat body has no faces.
     pub shape: Shape,
+    /// Whether the body is a closed mesh of triangles and not the hull of its points.
+    pub is_mesh: bool,
 }
 
 /// Two bodies at two poses.
@@ -162,7 +167,10 @@ fn alone() -> i64 {
 }
 
 impl RawShape {
-    fn check(self) -> Result<SuiteShape, String> {
+    fn check(self, is_mesh: bool) -> Result<SuiteShape, String> {
+        if is_mesh && self.f.iter().any(|f| f.len() != 3) {
+            return Err(format!("mesh {} has a face that is no triangle", self.id));
+        }
         let (points, rest) = self.v.as_chunks::<3>();
         if !rest.is_empty() {
             return Err(format!(
@@ -185,6 +193,7 @@ impl RawShape {
                 points: points.to_vec(),
                 faces: self.f,
             },
+            is_mesh,
         })
     }
 }
@@ -271,12 +280,16 @@ pub fn write(out: &mut impl Write, line: &Line) -> io::Result<()> {
     let text = match line {
         Line::Header(rest) => serde_json::to_string(&Tagged { t: "suite", rest }),
         Line::Shape(shape) => serde_json::to_string(&Tagged {
-            t: "shape",
+            t: if shape.is_mesh { "mesh" } else { "shape" },
             rest: RawShape::from(shape),
         }),
         Line::Case(case) => serde_json::to_string(&Tagged {
             t: "case",
             rest: RawCase::from(&**case),
+        }),
+        Line::Query(case) => serde_json::to_string(&Tagged {
+            t: case.query.kind(),
+            rest: RawQuery::from(&**case),
         }),
     };
     writeln!(out, "{}", text?)
@@ -291,9 +304,14 @@ fn parse(text: &str) -> Result<Option<Line>, String> {
     let kind: Kind = serde_json::from_str(text).map_err(json)?;
     Ok(match kind.t {
         "suite" => Some(Line::Header(serde_json::from_str(text).map_err(json)?)),
-        "shape" => Some(Line::Shape(
-            serde_json::from_str::<RawShape>(text).map_err(json)?.check()?,
+        kind @ ("shape" | "mesh") => Some(Line::Shape(
+            serde_json::from_str::<RawShape>(text)
+                .map_err(json)?
+                .check(kind == "mesh")?,
         )),
+        kind @ ("point" | "meshes" | "cast" | "ray") => Some(Line::Query(Box::new(
+            serde_json::from_str::<RawQuery>(text).map_err(json)?.check(kind)?,
+        ))),
         "case" => Some(Line::Case(Box::new(
             serde_json::from_str::<RawCase>(text).map_err(json)?.check()?,
         ))),
@@ -337,7 +355,9 @@ impl<R: BufRead> Reader<R> {
             }
             let line = parse(&self.buffer)?;
             match &line {
-                Some(Line::Header(h)) if h.version != 1 => return Err(format!("version {} is not known", h.version)),
+                Some(Line::Header(h)) if !(1..=2).contains(&h.version) => {
+                    return Err(format!("version {} is not known", h.version));
+                }
                 Some(_) => return Ok(line),
                 None => {}
             }

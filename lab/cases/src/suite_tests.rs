@@ -87,9 +87,25 @@ fn the_description_is_right() {
         })
         .collect();
     let lines: Vec<Line> = read(&file).into_iter().map(Result::unwrap).collect();
-    let [Line::Header(_), Line::Shape(s), Line::Case(c)] = &lines[..] else {
+    let [
+        Line::Header(_),
+        Line::Shape(s),
+        Line::Case(c),
+        Line::Header(_),
+        Line::Shape(mesh),
+        queries @ ..,
+    ] = &lines[..]
+    else {
         panic!("{lines:?}")
     };
+    let mut kinds = Vec::new();
+    for line in queries {
+        let Line::Query(case) = line else { panic!("{line:?}") };
+        let truth = crate::solid::solve(&case.query, |id| [&s.shape, &mesh.shape][id]);
+        assert_eq!(Some(truth), case.truth, "{case:?}");
+        kinds.push(case.query.kind());
+    }
+    assert_eq!(kinds, ["point", "meshes", "cast", "ray"]);
     let (body, truth) = ((&s.shape).into(), c.truth.as_ref().unwrap());
     let e = solve(body, &c.pose_a, body, &c.pose_b);
     assert_eq!(
@@ -113,7 +129,7 @@ fn lines_are_written_as_they_were_read() {
 
 #[test]
 fn bad_lines_are_named() {
-    assert!(error_of("\n{\"t\":\"suite\",\"version\":2}\n").contains("line 2: version 2"));
+    assert!(error_of("\n{\"t\":\"suite\",\"version\":3}\n").contains("line 2: version 3"));
     assert!(error_of("{\"t\":\"shape\",\"id\":4,\"v\":[1,2]}").contains("shape 4 has 2 coordinates"));
     assert!(error_of("{\"t\":\"shape\",\"id\":4,\"v\":[1,2,3],\"f\":[[0,0,7]]}").contains("names point 7 of 1"));
     assert!(error_of("{\"t\":\"case\",\"id\":1}").contains("missing field"));

@@ -1,10 +1,10 @@
 //! Promise: suites have every family and all contact states, the naive oracle gives the same answers,
 //! and the package is built on no engine.
 
-use cases::families::{self, CORE, EXTREME};
+use cases::families::{self, CORE, EXTREME, QUERIES};
 use cases::maker::Precision;
 use cases::shapes::Shape;
-use cases::suite::{Case, Line, Reader};
+use cases::suite::{self, Case, Line, Reader};
 use cases::{ContactState, exact};
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
@@ -20,9 +20,44 @@ fn drawn(suite: &str, seed: u64, count: usize, precision: Precision) -> (HashMap
             Line::Header(h) => assert_eq!((h.name.as_str(), h.seed), (suite, seed)),
             Line::Shape(s) => drop(shapes.insert(s.id, s.shape)),
             Line::Case(case) => all.push(*case),
+            Line::Query(case) => panic!("{case:?}"),
         }
     }
     (shapes, all)
+}
+
+/// Queries of every family have every state, are read as they were written, and change with the seed.
+#[test]
+fn queries_have_their_families_and_all_states() {
+    for precision in [Precision::Double, Precision::Single] {
+        let mut text = Vec::new();
+        families::write(&mut text, "queries", &QUERIES, 3, 40, precision).expect("memory");
+        let lines: Vec<Line> = Reader::new(&text[..]).map(|line| line.expect("a line")).collect();
+        let mut again = Vec::new();
+        lines
+            .iter()
+            .for_each(|line| suite::write(&mut again, line).expect("memory"));
+        assert!(text == again);
+        for family in QUERIES {
+            let states = lines.iter().filter_map(|line| match line {
+                Line::Query(case) if case.family == family => case.truth.map(|truth| truth.state),
+                _ => None,
+            });
+            let states: Vec<ContactState> = states.collect();
+            let of = |state| states.iter().filter(|s| **s == state).count();
+            let [apart, touching, over] = [
+                ContactState::Separated,
+                ContactState::Touching,
+                ContactState::Overlapping,
+            ]
+            .map(of);
+            assert_eq!(states.len(), 40);
+            assert!(
+                apart > 5 && touching > 0 && over > 5,
+                "{family}: {apart} {touching} {over}"
+            );
+        }
+    }
 }
 
 #[test]

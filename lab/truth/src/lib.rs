@@ -21,11 +21,11 @@
 //! | [`mod@rows`] | cases of a test as rows of a text |
 //! | [`errors`] | errors that must say what is wrong |
 //! | [`driven`] | calls drawn from bytes and seeds, judged by brute force; readers of files |
+//! | [`answers`] | answers to the queries of case files, and their judge |
 //! | [`pairs`] | pairs in the form of this crate and of parry, and their motions |
 //! | [`nets`] | control points of curved surfaces |
 //! | [`soups`], [`turned`], [`brute`] | nonconvex meshes, CAD-like meshes, and their naive oracle |
 //! | [`near_points`] | the exact side and distance of points and meshes, and hard points |
-//! | [`volumes`] | the volume that two closed meshes share, exactly |
 //! | [`covers`] | whether balls contain a triangle or a tetrahedron, exactly |
 //! | [`lattice_points`] | the exact side of points on a lattice, in microseconds |
 //! | [`paths`] | the naive oracle of vertices on straight paths, and deliberately hard queries |
@@ -36,6 +36,7 @@
 //! The package [`cases`] contains the naive oracle, exact checks, hard bodies, files of cases,
 //! poses and random numbers; they have the same names here.
 
+pub mod answers;
 pub mod arm;
 pub mod boxes;
 pub mod brute;
@@ -66,8 +67,8 @@ pub mod soups;
 pub mod support;
 pub mod tally;
 pub mod turned;
-pub mod volumes;
 pub mod workload;
 
 pub use cases::{Body, ContactState, Exact, Face, Point, Pose};
-pub use cases::{body, bound, brute_hull, command, exact, pose, rational, rng, say, shapes, suite, verdict};
+pub use cases::{body, bound, brute_hull, command, exact, families, maker, pose, queries, rational, rng, say};
+pub use cases::{shapes, solid, suite, verdict, volumes};

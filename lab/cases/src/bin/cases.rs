@@ -8,17 +8,18 @@ use cases::families;
 use cases::maker::Precision;
 use cases::minkowski;
 use cases::shapes::Shape;
+use cases::solid;
 use cases::suite::{self, Line, Reader};
 use clap::Parser;
 use std::collections::HashMap;
 
-/// Write hard pairs of convex bodies with their exact answers to standard output
+/// Write hard queries of bodies with their exact answers to standard output
 ///
 /// The same options give the same file on one machine. Another library of mathematical functions may
 /// change the last bits of some bodies and poses; the answers are exact for what the file states.
 #[derive(Parser)]
 struct Options {
-    /// Suite: `core`, `extreme`, or `standard` with both
+    /// Suite: `core`, `extreme`, `standard` with both, or `queries` of points, meshes, casts and rays
     #[arg(long, default_value = "standard")]
     suite: String,
     /// Only these families
@@ -46,7 +47,7 @@ fn solve(file: &str, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
     for line in Reader::open(file).map_err(|e| format!("{file}: {e}"))? {
         let mut line = line?;
         if let Line::Shape(s) = &mut line {
-            if s.shape.faces.is_empty() && s.shape.points.len() <= FACES_UP_TO {
+            if !s.is_mesh && s.shape.faces.is_empty() && s.shape.points.len() <= FACES_UP_TO {
                 s.shape = s.shape.clone().solved();
             }
             bodies.insert(s.id, s.shape.clone());
@@ -60,6 +61,12 @@ fn solve(file: &str, out: &mut impl Write) -> Result<(), Box<dyn Error>> {
             let (a, b) = (body(case.a)?, body(case.b)?);
             case.truth = Some(minkowski::solve(a.into(), &case.pose_a, b.into(), &case.pose_b));
         }
+        if let Line::Query(case) = &mut line {
+            if let Some(id) = case.query.bodies().iter().find(|id| !bodies.contains_key(id)) {
+                return Err(format!("{} {}: no mesh or shape {id}", case.query.kind(), case.id).into());
+            }
+            case.truth = Some(solid::solve(&case.query, |id| &bodies[&id]));
+        }
         suite::write(out, &line)?;
     }
     Ok(())
@@ -71,7 +78,8 @@ fn run(o: &Options) -> Result<(), Box<dyn Error>> {
         solve(file, &mut out)?;
     } else {
         let all = families::suite(&o.suite);
-        let mut wanted = all.ok_or_else(|| format!("suite {:?} is unknown: core, extreme, standard", o.suite))?;
+        let mut wanted =
+            all.ok_or_else(|| format!("suite {:?} is unknown: core, extreme, standard, queries", o.suite))?;
         if let Some(unknown) = o.family.iter().find(|f| !wanted.contains(&f.as_str())) {
             return Err(format!("suite {} has no family {unknown:?}: {}", o.suite, wanted.join(", ")).into());
         }

@@ -6,6 +6,7 @@
 mod contact;
 mod form;
 mod motion;
+mod queries;
 mod size;
 
 use crate::Point;
@@ -22,12 +23,16 @@ pub const CORE: [&str; 11] = [
 /// Sizes, offsets and bodies that many engines state no support for.
 pub const EXTREME: [&str; 5] = ["far", "tiny", "huge", "ratios", "flat"];
 
-/// Returns the families of a suite: `core`, `extreme`, or `standard` with both.
+/// Queries other than the distance of a convex pair (version 2 of the format).
+pub const QUERIES: [&str; 4] = ["points", "meshes", "casts", "rays"];
+
+/// Returns the families of a suite: `core`, `extreme`, `standard` with both, or `queries`.
 pub fn suite(name: &str) -> Option<Vec<&'static str>> {
     match name {
         "core" => Some(CORE.to_vec()),
         "extreme" => Some(EXTREME.to_vec()),
         "standard" => Some([&CORE[..], &EXTREME].concat()),
+        "queries" => Some(QUERIES.to_vec()),
         _ => None,
     }
 }
@@ -41,7 +46,12 @@ pub fn write(
     count: usize,
     precision: Precision,
 ) -> io::Result<()> {
-    let mut maker = Maker::new(out, name, seed, count, precision)?;
+    let version = if families.iter().any(|f| QUERIES.contains(f)) {
+        2
+    } else {
+        1
+    };
+    let mut maker = Maker::new(out, version, name, seed, count, precision)?;
     for &family in families {
         maker.start(family, seed);
         let m = &mut maker;
@@ -62,6 +72,10 @@ pub fn write(
             "tiny" => size::tiny(m),
             "huge" => size::huge(m),
             "ratios" => size::ratios(m),
+            "points" => queries::points(m),
+            "meshes" => queries::pairs(m),
+            "casts" => queries::casts(m),
+            "rays" => queries::rays(m),
             _ => unreachable!("the constants above name the families"),
         }?;
     }

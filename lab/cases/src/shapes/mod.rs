@@ -4,9 +4,11 @@
 //! counter-clockwise from outside; if `faces` is empty, the hull has to find them.
 
 mod hard;
+mod meshes;
 mod solids;
 
 pub use hard::*;
+pub use meshes::*;
 pub use solids::*;
 
 use crate::rng::Rng;

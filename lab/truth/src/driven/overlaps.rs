@@ -335,10 +335,13 @@ struct Judged {
 }
 
 fn chain(mesh: &Mesh) -> Exact {
-    let corners: Vec<Point> = mesh.triangles().flat_map(|x| x.1).map(Into::into).collect();
-    let triangles = (0..corners.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
-    let soup = Soup::new(corners, triangles.collect());
-    (&soup).into()
+    let corners = mesh.triangles().flat_map(|x| x.1);
+    let points: Vec<_> = corners.map(|p| [0, 1, 2].map(|k| exact(p[k]))).collect();
+    let triangles = (0..points.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]);
+    Exact {
+        triangles: triangles.collect(),
+        points,
+    }
 }
 
 impl Judged {

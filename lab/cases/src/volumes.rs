@@ -6,8 +6,8 @@
 
 use dashu_ratio::RBig;
 
-use crate::rational::exact;
-use crate::soups::Soup;
+use crate::rational::placed;
+use crate::{Face, Point, Pose};
 
 type Place = [RBig; 3];
 type Tetrahedron = [Place; 4];
@@ -21,11 +21,12 @@ pub struct Exact {
     pub triangles: Vec<[u32; 3]>,
 }
 
-impl From<&Soup> for Exact {
-    fn from(soup: &Soup) -> Self {
+impl Exact {
+    /// Returns a mesh of triangles at a pose.
+    pub fn at(points: &[Point], triangles: &[Face], pose: &Pose) -> Self {
         Self {
-            points: soup.points.iter().map(|p| p.map(exact)).collect(),
-            triangles: soup.triangles.clone(),
+            points: placed(points, pose),
+            triangles: triangles.iter().map(|t| [t[0], t[1], t[2]]).collect(),
         }
     }
 }
@@ -202,13 +203,17 @@ pub fn shared(a: &Exact, b: &Exact) -> (RBig, Place) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::driven::slots::union_of;
+    use crate::rational::exact;
+    use crate::shapes;
 
     #[test]
     fn boxes_share_the_product_of_their_common_sides() {
-        let cube = |at: f64| union_of(&[[[at; 3], [at + 1.0; 3]]], 1);
-        let (volume, moment) = shared(&(&cube(0.0)).into(), &(&cube(0.5)).into());
+        let cube = shapes::cuboid([0.5; 3]);
+        let faces: Vec<Face> = cube.triangles().iter().map(|t| t.to_vec()).collect();
+        let at = |x: f64| Exact::at(&cube.points, &faces, &Pose::shift([x; 3]));
+        let (volume, moment) = shared(&at(0.5), &at(1.0));
         assert_eq!(volume, exact(0.125));
         assert_eq!(moment[0], exact(0.75 * 0.125));
+        assert_eq!(whole(&at(0.5)), (exact(1.0), [exact(0.5), exact(0.5), exact(0.5)]));
     }
 }
