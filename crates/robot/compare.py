@@ -194,7 +194,7 @@ def judge(options, name, case, work):
         verdict = checker.certify(start[order], goal[order])
         counts[verdict.state] += 1
         if verdict.state == "blocked":
-            at = start + verdict.blocked_at * (goal - start)
+            at = start + verdict.contact_at * (goal - start)
             wrong += int(checker.clearance(at[order]).upper > 1e-9)
         if verdict.state != "free":
             continue

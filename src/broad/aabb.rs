@@ -76,10 +76,10 @@ impl Aabb {
         }
     }
 
-    /// Returns the box grown by `margin` on every side.
+    /// Returns the box grown by `growth` on every side.
     #[must_use]
-    pub fn grown(&self, margin: f64) -> Self {
-        let by = Vector3::repeat(margin);
+    pub fn grown(&self, growth: f64) -> Self {
+        let by = Vector3::repeat(growth);
         Self {
             min: self.min - by,
             max: self.max + by,

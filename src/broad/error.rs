@@ -32,10 +32,10 @@ pub enum BroadPhaseError {
         /// 0, 1, 2 for x, y, z.
         axis: usize,
     },
-    /// The margin or the look-ahead of a body is NaN, infinite in `f32`, or negative.
+    /// The growth or the look-ahead of a body is NaN, infinite in `f32`, or negative.
     #[error("{what} of the body is out of range: {value} (expected a finite number that is not negative)")]
-    Margin {
-        /// `margin` or `lookahead`.
+    Growth {
+        /// `growth` or `lookahead`.
         what: &'static str,
         /// The number.
         value: f64,

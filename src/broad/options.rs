@@ -49,9 +49,10 @@ pub struct BodyOptions {
     /// so. A fixed body may be moved, but a step in which it moves costs more.
     pub fixed: bool,
     /// Growth of the stored box beyond the given box. A new stored box is computed when the given
-    /// box leaves it; 0 keeps the stored box tight. A margin saves work if few bodies move or all
+    /// box leaves it; 0 keeps the stored box tight. Growth saves work if few bodies move or all
     /// move slowly, but gives more pairs.
-    pub margin: f64,
+    #[cfg_attr(feature = "serde", serde(rename = "margin"))]
+    pub growth: f64,
     /// Number of steps of the body's last motion by which a new stored box also extends in the
     /// direction of motion.
     pub lookahead: f64,
@@ -63,7 +64,7 @@ impl Default for BodyOptions {
         Self {
             groups: Groups::ALL,
             fixed: false,
-            margin: 0.0,
+            growth: 0.0,
             lookahead: 0.0,
         }
     }
@@ -84,10 +85,10 @@ impl BodyOptions {
         Self { groups, ..self }
     }
 
-    /// Returns the body with this margin.
+    /// Returns the body with this growth of its stored box.
     #[must_use]
-    pub fn margin(self, margin: f64) -> Self {
-        Self { margin, ..self }
+    pub fn growth(self, growth: f64) -> Self {
+        Self { growth, ..self }
     }
 
     /// Returns the body with this look-ahead, in steps.
@@ -101,9 +102,9 @@ impl BodyOptions {
 
     pub(super) fn check(&self) -> Result<(), BroadPhaseError> {
         let sound = |v: f64| (0.0..f64::from(f32::MAX)).contains(&v);
-        for (what, value) in [("margin", self.margin), ("lookahead", self.lookahead)] {
+        for (what, value) in [("growth", self.growth), ("lookahead", self.lookahead)] {
             if !sound(value) {
-                return Err(BroadPhaseError::Margin { what, value });
+                return Err(BroadPhaseError::Growth { what, value });
             }
         }
         Ok(())

@@ -110,7 +110,7 @@ impl Separation for HalfSpacePair<'_> {
         if let Above::HalfSpace(_) = self.body {
             // Half-spaces that rotate meet at once, far away.
             let rests = flight.model_a.angular == flight.model_b.angular && flight.model_a.angular == Vector3::zeros();
-            let way = seen.lower - flight.keep - flight.apart(self).noise;
+            let way = seen.lower - flight.required - flight.apart(self).noise;
             let span = if rests { flight.held(self, way) } else { 0.0 };
             return FreeSpan { span, proof };
         }

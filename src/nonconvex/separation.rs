@@ -131,9 +131,9 @@ fn ahead<S: Separation, A: Parted, B: Parted>(
     let (timed, tick) = flight.on_own_clock();
     let flight = &timed;
     let apart = flight.apart(pair);
-    let mut span = flight.held(pair, seen.lower - flight.keep - apart.noise);
+    let mut span = flight.held(pair, seen.lower - flight.required - apart.noise);
     if span < flight.span
-        && seen.lower > flight.keep
+        && seen.lower > flight.required
         && let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b)
         && let Some(posed) = PosedTrees::new(a, b, &pose)
     {
@@ -252,7 +252,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
                 Mover::new(&flight.pose_b, b, offset),
             ],
             drift: a.drift(radii[0]) + b.drift(radii[1]),
-            keep: flight.keep + noise,
+            keep: flight.required + noise,
             left: AHEAD_PAIRS,
         }
     }
@@ -424,7 +424,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
             error: frame.error * a.stored_unit(),
         };
         let flight = PairMotion {
-            keep: self.keep,
+            required: self.keep,
             ..*self.flight
         };
         let mut best = 0.0f64;

@@ -280,7 +280,7 @@ impl Separation for BallPair {
     }
 
     fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
-        let way = seen.lower - flight.keep - flight.apart(self).noise;
+        let way = seen.lower - flight.required - flight.apart(self).noise;
         FreeSpan {
             span: flight.held(self, way),
             proof: Proof::Own,

@@ -40,10 +40,10 @@ impl Scene {
         if census_of(&self.bodies, &self.table)? != self.census {
             return Err("the bodies of the scene are miscounted".into());
         }
-        let is_ignored =
-            |(a, b)| self.bodies.slots.lives(a) && self.bodies.slots.lives(b) && self.ignored.contains(b, a);
-        if !self.ignored.iter().all(is_ignored) {
-            return Err("a pair that the scene ignores is not of two bodies".into());
+        let is_excluded =
+            |(a, b)| self.bodies.slots.lives(a) && self.bodies.slots.lives(b) && self.excluded.contains(b, a);
+        if !self.excluded.iter().all(is_excluded) {
+            return Err("a pair that the scene excludes is not of two bodies".into());
         }
         self.check_pairs()
     }

@@ -1,25 +1,25 @@
-//! Pairs of bodies that a scene ignores, for instance adjacent links of an arm, or a gripper and
+//! Pairs of bodies that a scene excludes, for instance adjacent links of an arm, or a gripper and
 //! the workpiece that it holds.
 
 use alloc::collections::BTreeSet;
 
 use super::{BodyId, Scene, SceneError};
 
-/// Ignored pairs by the indices of the bodies. Every pair is listed in both orders, so the partners
-/// of one body form a range.
+/// Excluded pairs by the indices of the bodies. Every pair is listed in both orders, so the
+/// partners of one body form a range.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Ignored(BTreeSet<(u32, u32)>);
+pub(super) struct Excluded(BTreeSet<(u32, u32)>);
 
-impl Ignored {
+impl Excluded {
     #[inline]
     pub(super) fn contains(&self, a: u32, b: u32) -> bool {
         self.0.contains(&(a, b))
     }
 
     /// Adds or removes a pair; returns whether the list changed.
-    pub(super) fn set(&mut self, a: u32, b: u32, ignored: bool) -> bool {
+    pub(super) fn set(&mut self, a: u32, b: u32, excluded: bool) -> bool {
         for pair in [(a, b), (b, a)] {
-            let changed = if ignored {
+            let changed = if excluded {
                 self.0.insert(pair)
             } else {
                 self.0.remove(&pair)
@@ -32,7 +32,7 @@ impl Ignored {
     }
 
     /// Removes all pairs of a body.
-    pub(super) fn forget(&mut self, a: u32) {
+    pub(super) fn remove_body(&mut self, a: u32) {
         while let Some(&(_, b)) = self.0.range((a, 0)..=(a, u32::MAX)).next() {
             self.set(a, b, false);
         }
@@ -54,7 +54,7 @@ impl Scene {
     ///
     /// Use it for adjacent links of an arm, or for a gripper and the workpiece that it holds. The
     /// call takes effect with the next step; a state of the pair that had started ends then, with
-    /// events. The number of ignored pairs is not limited. A pair is forgotten when one of its
+    /// events. The number of excluded pairs is not limited. A pair is forgotten when one of its
     /// bodies is removed.
     ///
     /// ```
@@ -73,7 +73,7 @@ impl Scene {
     /// scene.step();
     /// assert_eq!(scene.pair_count(), 5); // every link overlaps the next one
     /// for adjacent in links.windows(2) {
-    ///     scene.ignore_pair(adjacent[0], adjacent[1])?;
+    ///     scene.exclude_pair(adjacent[0], adjacent[1])?;
     /// }
     /// scene.step();
     /// assert_eq!(scene.pair_count(), 0);
@@ -84,35 +84,37 @@ impl Scene {
     /// Returns an error if an id is stale.
     #[doc(alias = "filter")]
     #[doc(alias = "collision matrix")]
-    pub fn ignore_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), SceneError> {
-        self.set_ignored(a, b, true)
+    pub fn exclude_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), SceneError> {
+        self.set_excluded(a, b, true)
     }
 
-    /// Reverses [`ignore_pair`](Self::ignore_pair) with the next step; does nothing if the pair is
-    /// not ignored.
+    /// Reverses [`exclude_pair`](Self::exclude_pair) with the next step; does nothing if the pair
+    /// is not excluded.
     ///
     /// # Errors
     /// Returns an error if an id is stale.
-    pub fn allow_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), SceneError> {
-        self.set_ignored(a, b, false)
+    pub fn include_pair(&mut self, a: BodyId, b: BodyId) -> Result<(), SceneError> {
+        self.set_excluded(a, b, false)
     }
 
-    /// Returns whether a pair of bodies is ignored; false if an id is stale.
+    /// Returns whether a pair of bodies is excluded; false if an id is stale.
     #[must_use]
-    pub fn is_ignored(&self, a: BodyId, b: BodyId) -> bool {
+    pub fn is_excluded(&self, a: BodyId, b: BodyId) -> bool {
         let index = |id| self.bodies.index_of(id).ok();
-        index(a).is_some_and(|_| index(b).is_some() && self.ignored.contains(a.index, b.index))
+        index(a).is_some_and(|_| index(b).is_some() && self.excluded.contains(a.index, b.index))
     }
 
-    /// Iterates over the ignored pairs, the body with the lower index first.
-    pub fn ignored_pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> + '_ {
-        self.ignored.iter().map(|(a, b)| (self.bodies.id(a), self.bodies.id(b)))
+    /// Iterates over the excluded pairs, the body with the lower index first.
+    pub fn excluded_pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> + '_ {
+        self.excluded
+            .iter()
+            .map(|(a, b)| (self.bodies.id(a), self.bodies.id(b)))
     }
 
-    fn set_ignored(&mut self, a: BodyId, b: BodyId, ignored: bool) -> Result<(), SceneError> {
+    fn set_excluded(&mut self, a: BodyId, b: BodyId, excluded: bool) -> Result<(), SceneError> {
         let i = self.bodies.index_of(a)?;
         self.bodies.index_of(b)?;
-        if a != b && self.ignored.set(a.index, b.index, ignored) {
+        if a != b && self.excluded.set(a.index, b.index, excluded) {
             // The broad phase calls the filter again for all pairs of A; the id is not stale.
             let _ = self.broad.regroup(self.bodies.proxies[i]);
             self.changed = true;

@@ -82,7 +82,7 @@ impl StepContext<'_> {
             model_a: x.model(0.0, span),
             model_b: y.model(0.0, span),
             span,
-            keep,
+            required: keep,
         };
         counts.ahead += 1;
         let free = tracker.over_time(shapes, Some(outcome), |separation, seen| {

@@ -102,7 +102,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Adjacent links of an arm touch by design: [`ignore_pair`](Scene::ignore_pair) excludes pairs.
+//! Adjacent links of an arm touch by design: [`exclude_pair`](Scene::exclude_pair) excludes pairs.
 //!
 //! # What it costs
 //!
@@ -194,7 +194,7 @@ pub use crate::scene::answers::{Change, Event, PairImpact};
 pub use crate::scene::body::Body;
 use crate::scene::body::{BodySolid, BodyTable, box_of, checked};
 pub use crate::scene::error::SceneError;
-use crate::scene::filter::Ignored;
+use crate::scene::filter::Excluded;
 use crate::scene::pair_table::PairTables;
 use crate::scene::queries::Census;
 use crate::scene::queries::{GROUPS, Table};
@@ -216,7 +216,7 @@ pub struct Scene {
     table: Table,
     broad: SweepAndPrune,
     pair_tables: PairTables,
-    ignored: Ignored,
+    excluded: Excluded,
     events: Vec<Event>,
     impacts: Vec<PairImpact>,
     report: Report,
@@ -279,7 +279,7 @@ impl Scene {
             table: Table::default(),
             broad: SweepAndPrune::with_settings(settings),
             pair_tables: PairTables::default(),
-            ignored: Ignored::default(),
+            excluded: Excluded::default(),
             events: Vec::new(),
             impacts: Vec::new(),
             report: Report::default(),
@@ -404,7 +404,7 @@ impl Scene {
     pub fn remove(&mut self, id: BodyId) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
         self.broad.remove(self.bodies.proxies[i])?;
-        self.ignored.forget(id.index);
+        self.excluded.remove_body(id.index);
         if let Some(solid) = &self.bodies.solids[i] {
             self.census.remove(solid.member());
         }

@@ -100,7 +100,7 @@ pub(super) trait PairEngine: Clone + Send + Sync {
     }
 
     /// Drops the cached polytope of an overlap.
-    fn shed(&mut self) {}
+    fn free_memory(&mut self) {}
 
     /// Returns the bytes on the heap.
     fn memory_usage(&self) -> usize;
@@ -167,8 +167,8 @@ impl PairEngine for Tracker {
         Self::facets(self)
     }
 
-    fn shed(&mut self) {
-        Self::shed(self);
+    fn free_memory(&mut self) {
+        Self::free_memory(self);
     }
 
     fn memory_usage(&self) -> usize {

@@ -211,7 +211,7 @@ impl<T: PairEngine> DetailTables<T> {
     /// Inserts a pair; returns the number of its table and the row.
     fn push(&mut self, plan: &PairPlan, header: PairHeader, mut tracker: T) -> Option<(u32, u32)> {
         if plan.until == DepthMode::None {
-            tracker.shed();
+            tracker.free_memory();
         }
         if plan.detail != Detail::Manifold {
             tracker.drop_contacts();

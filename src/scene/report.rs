@@ -32,7 +32,7 @@ pub struct StepWork {
     /// [`Scene::set_queries`](super::Scene::set_queries).
     pub without_queries: u64,
     /// Pairs of two fixed bodies, after the step, that are not tested although a query is enabled
-    /// between their groups, at any distance. Ignored pairs do not count. See
+    /// between their groups, at any distance. Excluded pairs do not count. See
     /// [`PairQueries::fixed`](field@super::PairQueries::fixed).
     #[cfg_attr(feature = "serde", serde(default))]
     pub fixed_left_out: u64,
@@ -146,7 +146,8 @@ pub struct Times {
     /// The search for new and ended pairs in the broad phase, and the update of the pair tables.
     pub pairs: Duration,
     /// Narrow phase of the active pairs, from the budget to the tracker.
-    pub look: Duration,
+    #[cfg_attr(feature = "serde", serde(rename = "look"))]
+    pub narrow_phase: Duration,
     /// Sorting of the events.
     pub events: Duration,
 }
@@ -155,7 +156,7 @@ impl Times {
     /// Returns the sum of all stages.
     #[must_use]
     pub fn total(&self) -> Duration {
-        let stages = [self.pairs, self.look, self.events];
+        let stages = [self.pairs, self.narrow_phase, self.events];
         stages.into_iter().fold(self.boxes, Duration::saturating_add)
     }
 }
@@ -164,7 +165,7 @@ impl AddAssign for Times {
     fn add_assign(&mut self, o: Self) {
         self.boxes = self.boxes.saturating_add(o.boxes);
         self.pairs = self.pairs.saturating_add(o.pairs);
-        self.look = self.look.saturating_add(o.look);
+        self.narrow_phase = self.narrow_phase.saturating_add(o.narrow_phase);
         self.events = self.events.saturating_add(o.events);
     }
 }
@@ -217,8 +218,8 @@ impl fmt::Display for Report {
         )?;
         writeln!(
             f,
-            "look    {:>9.1} us  {} active: {} resting, {} skipped by budget, {} asleep, {} apart by balls, {} asked",
-            us(t.look),
+            "narrow  {:>9.1} us  {} active: {} resting, {} skipped by budget, {} asleep, {} apart by balls, {} queried",
+            us(t.narrow_phase),
             c.active,
             c.resting,
             c.skipped,
@@ -298,7 +299,7 @@ impl Scene {
     #[must_use]
     pub fn memory_usage(&self) -> MemoryUsage {
         MemoryUsage {
-            bodies: self.bodies.bytes() + self.ignored.bytes(),
+            bodies: self.bodies.bytes() + self.excluded.bytes(),
             broad: self.broad.memory_usage(),
             pairs: self.pair_tables.bytes(),
             scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()

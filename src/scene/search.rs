@@ -203,7 +203,7 @@ impl Scene {
         let [x, y] = [a, b].each(|i| self.bodies.solids[i as usize].as_ref());
         let (Some(x), Some(y)) = (x, y) else { return false };
         let plan = self.table.plan(group_pair_of(x.group, y.group));
-        let pairs = a != b && (plan.fixed || !(x.fixed && y.fixed)) && !self.ignored.contains(a, b);
+        let pairs = a != b && (plan.fixed || !(x.fixed && y.fixed)) && !self.excluded.contains(a, b);
         pairs && plan.detail > Detail::Nothing
     }
 

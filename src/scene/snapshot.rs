@@ -13,7 +13,7 @@ use super::answers::{StoredAnswer, StoredContact};
 use super::body::{Body, BodySolid, BodyTable};
 use super::budget::Travel;
 use super::check::census_of;
-use super::filter::Ignored;
+use super::filter::Excluded;
 use super::motion::{Moving, Sweep, Ticks};
 use super::pair_engine::{PairEngine, restored, stored};
 use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
@@ -89,8 +89,9 @@ struct SceneSnapshot {
     growths: Vec<f64>,
     partners: [u32; GROUPS],
     broad: SweepAndPrune,
-    /// Ignored pairs by the indices of the bodies, the lower index first.
-    ignored: Vec<(u32, u32)>,
+    /// Excluded pairs by the indices of the bodies, the lower index first.
+    #[serde(rename = "ignored")]
+    excluded: Vec<(u32, u32)>,
     polyhedra: TableRows<Tracker>,
     mixed: TableRows<StoredEngine>,
     /// Slots whose box event was sent.
@@ -212,7 +213,7 @@ impl SceneSnapshot {
             growths: scene.growths.iter().map(|g| g.at_most(f64::MAX)).collect(),
             partners: scene.partners,
             broad: scene.broad.clone(),
-            ignored: scene.ignored.iter().collect(),
+            excluded: scene.excluded.iter().collect(),
             polyhedra: table_rows(&scene.pair_tables.polyhedra, Tracker::clone),
             mixed: table_rows(&scene.pair_tables.mixed, |pair| stored(pair)),
             box_event_sent: scene.pair_tables.slots_with_box_event().collect(),
@@ -238,7 +239,7 @@ impl SceneSnapshot {
         let lists = [self.free, self.leaving, self.body_of_proxy, self.due, self.stale];
         let motions = (self.moving, self.sweeps, self.wide, self.ticks);
         let bodies = restored_bodies(self.rows, &shapes, lists, motions, self.step)?;
-        let ignored = restored_filter(&self.ignored, &bodies)?;
+        let excluded = restored_filter(&self.excluded, &bodies)?;
         let slots = self.broad.pairs().map(|p| p.id.slot as usize + 1).max().unwrap_or(0);
         let shapes_of = |header: &PairHeader| {
             let shape = |i: u32| bodies.solids.get(i as usize)?.as_ref().map(|s| &s.shape);
@@ -261,7 +262,7 @@ impl SceneSnapshot {
             table,
             broad: self.broad,
             pair_tables,
-            ignored,
+            excluded,
             events: self.events,
             impacts: self.impacts,
             report: self.report,
@@ -285,16 +286,16 @@ impl SceneSnapshot {
     }
 }
 
-/// Returns the list of ignored pairs, if every pair names two bodies.
-fn restored_filter(pairs: &[(u32, u32)], bodies: &BodyTable) -> Result<Ignored, String> {
+/// Returns the list of excluded pairs, if every pair names two bodies.
+fn restored_filter(pairs: &[(u32, u32)], bodies: &BodyTable) -> Result<Excluded, String> {
     let lives = |i: u32| bodies.slots.lives(i);
-    let mut ignored = Ignored::default();
+    let mut excluded = Excluded::default();
     for &(a, b) in pairs {
-        if !(a < b && lives(a) && lives(b) && ignored.set(a, b, true)) {
-            return Err("a pair that the scene ignores is not of two bodies".into());
+        if !(a < b && lives(a) && lives(b) && excluded.set(a, b, true)) {
+            return Err("a pair that the scene excludes is not of two bodies".into());
         }
     }
-    Ok(ignored)
+    Ok(excluded)
 }
 
 /// Motions of the bodies, swept motions of the step being prepared, bodies with enlarged boxes, and

@@ -50,7 +50,7 @@ impl Scene {
             let changes = self.find_pairs(recreated);
             self.report.times.pairs = clock.lap();
             let tally = self.test_pairs(changes, last);
-            self.report.times.look = clock.lap();
+            self.report.times.narrow_phase = clock.lap();
             self.write_events(tally);
             self.report.times.events = clock.lap();
             self.bodies.end_step();
@@ -65,7 +65,7 @@ impl Scene {
     }
 
     /// Returns the number of pairs of fixed bodies for which queries are enabled, but without
-    /// [`fixed`](super::PairQueries::fixed). Ignored pairs do not count.
+    /// [`fixed`](super::PairQueries::fixed). Excluded pairs do not count.
     pub(super) fn count_fixed_left_out(&self) -> u64 {
         let is_left_out = |g, h| self.table.plan(group_pair_of(g, h)).leaves_fixed_out();
         let fixed_group = |i: u32| {
@@ -74,11 +74,11 @@ impl Scene {
                 .filter(|s| s.fixed)
                 .map(|s| s.group)
         };
-        let is_ignored = |&(a, b): &(u32, u32)| {
+        let is_excluded = |&(a, b): &(u32, u32)| {
             let groups = fixed_group(a).zip(fixed_group(b));
             groups.is_some_and(|(g, h)| is_left_out(g, h))
         };
-        self.census.fixed_pairs(is_left_out) - self.ignored.iter().filter(is_ignored).count() as u64
+        self.census.fixed_pairs(is_left_out) - self.excluded.iter().filter(is_excluded).count() as u64
     }
 
     /// Returns whether a call since the last step, other than ticks, changed anything that a step
@@ -167,9 +167,9 @@ impl Scene {
     /// Lets the broad phase find new and ended pairs, and updates the rows of the tables. If a
     /// proxy was recreated, the pairs of its body end and start in one step and keep their state.
     fn find_pairs(&mut self, recreated: bool) -> Vec<PairChange> {
-        let (bodies, pair_tables, ignored) = (&self.bodies, &mut self.pair_tables, &self.ignored);
+        let (bodies, pair_tables, excluded) = (&self.bodies, &mut self.pair_tables, &self.excluded);
         let body_of = |proxy: broad::BodyId| bodies.body_of_proxy[proxy.index as usize];
-        let mut filter = |x, y| !ignored.contains(body_of(x), body_of(y));
+        let mut filter = |x, y| !excluded.contains(body_of(x), body_of(y));
         let events = self.broad.step_with(&mut filter);
         let mut changes = Vec::new();
         let mut removed = Vec::new();

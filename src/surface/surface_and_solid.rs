@@ -162,19 +162,19 @@ pub(super) fn held<S: Separation>(
     bounds: impl FnOnce(&mut S, &RelativePose, f64) -> [f64; 2],
 ) -> FreeSpan {
     let [mut lower, mut upper] = [seen.lower, seen.upper];
-    let left = upper - flight.keep;
+    let left = upper - flight.required;
     if left > 0.0
-        && lower - flight.keep < (1.0 - NARROWER) * left
+        && lower - flight.required < (1.0 - NARROWER) * left
         && let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b)
     {
         let found = bounds(pair, &pose, MEASURED * left);
         (lower, upper) = (lower.larger(found[0]), upper.smaller(found[1]));
     }
     let proof = Proof::Own;
-    if lower - flight.keep < HOPE * (upper - flight.keep) {
+    if lower - flight.required < HOPE * (upper - flight.required) {
         return FreeSpan { span: 0.0, proof };
     }
-    let way = lower - flight.keep - flight.apart(pair).noise;
+    let way = lower - flight.required - flight.apart(pair).noise;
     let span = flight.held(pair, way);
     FreeSpan { span, proof }
 }

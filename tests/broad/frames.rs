@@ -113,18 +113,18 @@ fn every_scene_equals_brute_force_on_every_frame() {
 }
 
 #[test]
-fn margins_change_boxes_but_not_the_definition() {
+fn growth_changes_boxes_but_not_the_definition() {
     for kind in [Kind::Uniform, Kind::Pile, Kind::Movers, Kind::Teleport, Kind::Mixed] {
-        run(kind, 400, 60, BodyOptions::default().margin(0.04));
-        run(kind, 400, 60, BodyOptions::default().margin(0.02).lookahead(5.0));
+        run(kind, 400, 60, BodyOptions::default().growth(0.04));
+        run(kind, 400, 60, BodyOptions::default().growth(0.02).lookahead(5.0));
     }
 }
 
 #[test]
-fn margins_hold_the_given_box() {
+fn growth_holds_the_given_box() {
     let mut scene = Scene::new(Kind::UniformSlow, 300);
     let mut broad = SweepAndPrune::new();
-    let body = BodyOptions::default().margin(0.03).lookahead(2.0);
+    let body = BodyOptions::default().growth(0.03).lookahead(2.0);
     let ids: Vec<BodyId> = scene.boxes.iter().map(|b| broad.insert(b, body).unwrap()).collect();
     let mut kept = 0;
     for _ in 0..30 {
@@ -142,7 +142,7 @@ fn margins_hold_the_given_box() {
             .count();
         broad.step();
     }
-    assert!(kept > 300 * 30 / 2, "margins keep most boxes: {kept}");
+    assert!(kept > 300 * 30 / 2, "growth keeps most boxes: {kept}");
 }
 
 #[test]
@@ -304,9 +304,9 @@ fn refused_calls_name_the_body_and_change_nothing() {
     let found = fed.broad.remove(unknown);
     assert_eq!(found, Err(BroadPhaseError::StaleId { body: unknown }));
     assert_eq!(
-        fed.broad.insert(&cube, BodyOptions::default().margin(-1.0)),
-        Err(BroadPhaseError::Margin {
-            what: "margin",
+        fed.broad.insert(&cube, BodyOptions::default().growth(-1.0)),
+        Err(BroadPhaseError::Growth {
+            what: "growth",
             value: -1.0
         })
     );

@@ -23,7 +23,7 @@ fn feed(broad: &mut SweepAndPrune, ids: &mut Vec<BodyId>, scene: &Scene, random:
             Point3::from(Vector3::from(random.in_ball()) * 4.0),
             Vector3::repeat(0.7),
         );
-        ids.push(broad.insert(&aabb, BodyOptions::default().margin(0.1)).unwrap());
+        ids.push(broad.insert(&aabb, BodyOptions::default().growth(0.1)).unwrap());
     }
 }
 

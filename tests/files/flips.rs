@@ -49,7 +49,7 @@ fn flipped<T: Serialize + DeserializeOwned>(value: &T, mut check: impl FnMut(T) 
     counts
 }
 
-/// Returns a scene between a tick and its step, with velocities, a removed body, an ignored pair,
+/// Returns a scene between a tick and its step, with velocities, a removed body, an excluded pair,
 /// and moved bodies without queries.
 fn busy_scene() -> Scene {
     let (mut scene, ids) = small_scene();
@@ -58,7 +58,7 @@ fn busy_scene() -> Scene {
     scene.set_queries(all, all, impact).unwrap();
     let id = ids[4];
     scene.set_group(id, Group::new(5).unwrap()).unwrap();
-    scene.ignore_pair(ids[0], ids[3]).unwrap();
+    scene.exclude_pair(ids[0], ids[3]).unwrap();
     scene.step();
     scene.set_pose(id, Isometry3::translation(0.3, 4.0, 0.0)).unwrap();
     scene.step();

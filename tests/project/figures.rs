@@ -90,7 +90,7 @@ const FIGURES: &[Figure] = &[
     (ROBOT, "with libsdformat 12.3 on {} files", "2026-11-30-ball-joints.txt", |r| vec![r.after("libsdformat loads 433 files, of these ")]),
     (ROBOT, "and URDF with urdfdom on {} (", "2026-11-29-rules-of-files.txt", |r| vec![r.after("urdfdom loads 1,380, of these ")]),
     (STUDY, "A row takes {} bytes of input and {} bytes of output.", "2026-11-23-study.txt", |r| vec![r.after("random configurations; input "), r.after("MB, output ")]),
-    (STUDY, "one core | {} | | the same loop with `Checker::forget` before each row, as in the SQL functions | {} | | `study run` with one partition, Parquet to Parquet | {} | \
+    (STUDY, "one core | {} | | the same loop with `Checker::reset` before each row, as in the SQL functions | {} | | `study run` with one partition, Parquet to Parquet | {} | \
         | `study run` with two partitions | {} |", "2026-11-23-study.txt", |r| {
         ["loop that remembers,", "loop that forgets,", "run of 1 partition(s),", "run of 2 partition(s),"].map(|row| hundreds(r.all_after(row)[2])).to_vec()
     }),

@@ -8,6 +8,7 @@ mod locks;
 mod options;
 mod pages;
 mod readme;
+mod terms;
 mod unsafe_code;
 
 use std::path::Path;

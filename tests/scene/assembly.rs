@@ -97,13 +97,13 @@ fn the_count_names_pairs_with_queries_alone() {
         .set_queries(group(1), group(1), NONE.overlap(true).fixed(true))
         .unwrap();
     assert_eq!(scene.step().counts.fixed_left_out, 12);
-    // Ignored pairs were left out by the caller, whatever the order and the groups.
+    // Excluded pairs were left out by the caller, whatever the order and the groups.
     for (a, b) in [(0, 3), (4, 0), (1, 4), (0, 9), (2, 5)] {
-        scene.ignore_pair(ids[a], ids[b]).unwrap();
+        scene.exclude_pair(ids[a], ids[b]).unwrap();
     }
     assert_eq!(scene.step().counts.fixed_left_out, 10);
     let mut read = read_back(&scene);
-    read.allow_pair(ids[3], ids[0]).unwrap();
+    read.include_pair(ids[3], ids[0]).unwrap();
     assert_eq!(read.step().counts.fixed_left_out, 11);
     scene.remove(ids[0]).unwrap();
     assert_eq!(scene.step().counts.fixed_left_out, 1 + 6);

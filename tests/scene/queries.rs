@@ -1,4 +1,4 @@
-//! Scenes against brute force: the closest pair of two groups, ignored pairs, queries for all
+//! Scenes against brute force: the closest pair of two groups, excluded pairs, queries for all
 //! groups.
 
 use crate::group;
@@ -48,7 +48,7 @@ fn brute(scene: &Scene, these: Group, those: Group) -> Option<(BodyId, BodyId, O
     for a in of(these) {
         for b in of(those) {
             let twice = these == those && b <= a;
-            if !(twice || is_fixed(a) && is_fixed(b) || scene.is_ignored(a, b)) {
+            if !(twice || is_fixed(a) && is_fixed(b) || scene.is_excluded(a, b)) {
                 let pose = RelativePose::new(scene.pose(a).unwrap(), scene.pose(b).unwrap()).unwrap();
                 let [x, y] = [a, b].map(|id| scene.geometry(id).unwrap().as_polyhedron().unwrap());
                 pairs.push((a, b, Tracker::new().closest(x, y, &pose)));
@@ -71,7 +71,7 @@ fn the_closest_pair_is_the_closest_of_all() {
         let mut scene = crowd(&mut rng, queries, count, room);
         let ids: Vec<_> = scene.bodies().collect();
         for _ in 0..rng.below(30) {
-            scene.ignore_pair(*rng.pick(&ids), *rng.pick(&ids)).unwrap();
+            scene.exclude_pair(*rng.pick(&ids), *rng.pick(&ids)).unwrap();
         }
         scene.step();
         for (g, h) in [(1, 2), (2, 1), (1, 1)].map(|(g, h)| (group(g), group(h))) {
@@ -93,7 +93,7 @@ fn the_closest_pair_is_the_closest_of_all() {
 }
 
 #[test]
-fn ignored_pairs_end_and_begin_again() {
+fn excluded_pairs_end_and_begin_again() {
     let mut scene = Scene::with_queries(BOXES.overlap(true)).unwrap();
     let cube = solids::cuboid(Vector3::new(0.5, 0.5, 0.5)).unwrap();
     let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
@@ -105,9 +105,9 @@ fn ignored_pairs_end_and_begin_again() {
     let [began, met] = [Change::OverlapBegan, Change::BoxesMet];
     let all = [(a, b, met), (a, b, began), (b, c, met), (b, c, began)];
     assert_eq!(changes(&mut scene), all);
-    scene.ignore_pair(b, a).unwrap();
-    assert!(scene.is_ignored(a, b) && !scene.is_ignored(b, c));
-    assert_eq!(scene.ignored_pairs().collect::<Vec<_>>(), [(a, b)]);
+    scene.exclude_pair(b, a).unwrap();
+    assert!(scene.is_excluded(a, b) && !scene.is_excluded(b, c));
+    assert_eq!(scene.excluded_pairs().collect::<Vec<_>>(), [(a, b)]);
     // Until the next step, all results are those of the last step.
     assert!(scene.pair(a, b).is_some());
     let ends = [(a, b, Change::OverlapEnded), (a, b, Change::BoxesParted)];
@@ -118,17 +118,17 @@ fn ignored_pairs_end_and_begin_again() {
     assert_eq!(changes(&mut scene), []);
     scene.set_pose(a, at(0.0)).unwrap();
     assert_eq!(changes(&mut scene), []);
-    scene.allow_pair(a, b).unwrap();
+    scene.include_pair(a, b).unwrap();
     assert_eq!(changes(&mut scene), all[..2]);
     // A pair is forgotten with its body, even if the index is reused.
-    scene.ignore_pair(b, c).unwrap();
+    scene.exclude_pair(b, c).unwrap();
     scene.remove(c).unwrap();
-    assert!(!scene.is_ignored(b, c) && scene.ignored_pairs().next().is_none());
+    assert!(!scene.is_excluded(b, c) && scene.excluded_pairs().next().is_none());
     scene.step();
     let d = scene.insert(Body::moving(cube), at(1.8)).unwrap();
     assert_eq!(d.index, c.index);
     assert_eq!(changes(&mut scene), [(b, d, met), (b, d, began)]);
-    assert_eq!(scene.ignore_pair(b, c), Err(SceneError::StaleBody { body: c }));
+    assert_eq!(scene.exclude_pair(b, c), Err(SceneError::StaleBody { body: c }));
 }
 
 #[test]
@@ -167,21 +167,21 @@ fn a_scene_without_queries_is_not_silent() {
 
 #[cfg(feature = "serde")]
 #[test]
-fn ignored_pairs_and_user_data_survive_a_file() {
+fn excluded_pairs_and_user_data_survive_a_file() {
     let mut rng = Rng::new(5);
     let mut scene = crowd(&mut rng, BOXES.overlap(true), [8, 8], 0.5);
     let ids: Vec<_> = scene.bodies().collect();
-    scene.ignore_pair(ids[0], ids[9]).unwrap();
-    scene.ignore_pair(ids[3], ids[2]).unwrap();
+    scene.exclude_pair(ids[0], ids[9]).unwrap();
+    scene.exclude_pair(ids[3], ids[2]).unwrap();
     scene.step();
     let text = serde_json::to_string(&scene).unwrap();
     let mut back: Scene = serde_json::from_str(&text).unwrap();
-    let found = back.ignored_pairs().collect::<Vec<_>>();
+    let found = back.excluded_pairs().collect::<Vec<_>>();
     assert_eq!(found, [(ids[0], ids[9]), (ids[2], ids[3])]);
     assert!(ids.iter().all(|id| back.user_data(*id) == scene.user_data(*id)));
     for scene in [&mut scene, &mut back] {
         scene.remove(ids[1]).unwrap();
-        scene.allow_pair(ids[0], ids[9]).unwrap();
+        scene.include_pair(ids[0], ids[9]).unwrap();
         scene.step();
     }
     assert_eq!(back.events(), scene.events());

@@ -20,7 +20,7 @@ static int run(const std::string &folder) {
               checker.name(near.b).c_str(), near.distance, near.lower, near.upper);
 
   const lc_verdict verdict = checker.certify(home, other);
-  std::printf("home to other: %s, proven up to %.3f\n", verdict.state == LC_FREE ? "free" : "not free", verdict.safe);
+  std::printf("home to other: %s, proven up to %.3f\n", verdict.state == LC_FREE ? "free" : "not free", verdict.free_until);
 
   // A ball where the gripper passes halfway: the verdict names the pair and brackets the time.
   std::vector<double> middle = home;
@@ -28,10 +28,10 @@ static int run(const std::string &folder) {
   const lc_pose hand = checker.pose(checker.find("gripper").at(0), middle);
   const lc_world_body ball = checker.add_obstacle("ball", Geometry::ball(0.02), hand);
   const lc_verdict blocked = checker.certify(home, other);
-  const bool was_blocked = blocked.state == LC_BLOCKED && blocked.b.id == ball.id && blocked.safe < blocked.hit;
+  const bool was_blocked = blocked.state == LC_BLOCKED && blocked.b.id == ball.id && blocked.free_until < blocked.contact_at;
   if (was_blocked) {
     std::printf("with a ball on the way: %s meets %s between %.9f and %.9f\n", checker.name(blocked.a).c_str(),
-                checker.name(blocked.b).c_str(), blocked.safe, blocked.hit);
+                checker.name(blocked.b).c_str(), blocked.free_until, blocked.contact_at);
   }
   checker.remove(ball);
 

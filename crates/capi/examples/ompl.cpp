@@ -101,7 +101,7 @@ class Proven : public ob::MotionValidator {
     if (si_->satisfiesBounds(b)) {
       const lc_verdict found = verdict(a, b);
       if (found.state == LC_FREE) return ++valid_, true;
-      safe = found.safe;
+      safe = found.free_until;
     }
     last.second = safe;
     if (last.first) si_->getStateSpace()->interpolate(a, b, safe, last.first);
@@ -175,7 +175,7 @@ static bool is_wrong(Checker &checker, const Motion &motion, Counts &counts) {
   const lc_verdict found = checker.certify(motion.from, motion.to);
   if (found.state != LC_BLOCKED) return false;
   std::vector<double> q(motion.from.size());
-  for (std::size_t k = 0; k < q.size(); ++k) q[k] = motion.from[k] + found.hit * (motion.to[k] - motion.from[k]);
+  for (std::size_t k = 0; k < q.size(); ++k) q[k] = motion.from[k] + found.contact_at * (motion.to[k] - motion.from[k]);
   counts.seen += !checker.is_free(q);
   return true;
 }

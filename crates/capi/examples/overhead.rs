@@ -585,7 +585,7 @@ fn checkers(library: &Library) -> u32 {
             let (from, to) = (at(k).as_ptr(), at(k + 1).as_ptr());
             // SAFETY: two configurations and a place for a verdict.
             let place = |out| unsafe { certify(c, from, to, n, 1, out, size, &mut done) };
-            read(place, |found: &lc_verdict| found.safe)
+            read(place, |found: &lc_verdict| found.free_until)
         },
     ) as u32;
     over

@@ -32,10 +32,10 @@
 // The whole motion is proven free.
 #define LC_FREE 0
 
-// A pair is proven in contact, or closer than it must keep.
+// A pair is proven in contact, or closer than its required distance.
 #define LC_BLOCKED 1
 
-// A pair is within rounding error of contact or of what it must keep.
+// A pair is within rounding error of contact or of its required distance.
 #define LC_OPEN 2
 
 // RRT-Connect (Kuffner and LaValle 2000).
@@ -302,7 +302,7 @@ typedef struct lc_near {
   double lower;
   // Proven upper bound of the signed distance.
   double upper;
-  // The signed distance less what the pair must keep.
+  // The signed distance less the required distance of the pair.
   double excess;
   // The witness on the first body.
   double point_on_a[3];
@@ -322,9 +322,9 @@ typedef struct lc_verdict {
   // The segment of a path to which the verdict belongs.
   uint64_t segment;
   // All pairs are proven apart up to this time.
-  double safe;
+  double free_until;
   // The pair is proven in contact at this time, if blocked; else infinite.
-  double hit;
+  double contact_at;
   // The distance that all pairs are proven to keep, if free; else zero.
   double clearance;
   // The first body of the pair, if blocked; else zero.

@@ -55,7 +55,7 @@ pub struct lc_near {
     pub lower: f64,
     /// Proven upper bound of the signed distance.
     pub upper: f64,
-    /// The signed distance less what the pair must keep.
+    /// The signed distance less the required distance of the pair.
     pub excess: f64,
     /// The witness on the first body.
     pub point_on_a: [f64; 3],
@@ -103,9 +103,9 @@ pub(crate) fn near(near: &NearPair) -> lc_near {
 
 /// The whole motion is proven free.
 pub const LC_FREE: u32 = 0;
-/// A pair is proven in contact, or closer than it must keep.
+/// A pair is proven in contact, or closer than its required distance.
 pub const LC_BLOCKED: u32 = 1;
-/// A pair is within rounding error of contact or of what it must keep.
+/// A pair is within rounding error of contact or of its required distance.
 pub const LC_OPEN: u32 = 2;
 
 /// The verdict about a motion. Times are from 0 to 1 along the segment or curve.
@@ -120,9 +120,9 @@ pub struct lc_verdict {
     /// The segment of a path to which the verdict belongs.
     pub segment: u64,
     /// All pairs are proven apart up to this time.
-    pub safe: f64,
+    pub free_until: f64,
     /// The pair is proven in contact at this time, if blocked; else infinite.
-    pub hit: f64,
+    pub contact_at: f64,
     /// The distance that all pairs are proven to keep, if free; else zero.
     pub clearance: f64,
     /// The first body of the pair, if blocked; else zero.
@@ -146,8 +146,8 @@ pub(crate) fn verdict(verdict: &Verdict) -> lc_verdict {
         state: LC_OPEN,
         start_contacts: verdict.start_contacts().len() as u32,
         segment: verdict.piece().unwrap_or(0) as u64,
-        safe: verdict.free_until(),
-        hit: f64::INFINITY,
+        free_until: verdict.free_until(),
+        contact_at: f64::INFINITY,
         clearance: 0.0,
         a: none,
         b: none,
@@ -166,7 +166,7 @@ pub(crate) fn verdict(verdict: &Verdict) -> lc_verdict {
             ..
         } => {
             answer.state = LC_BLOCKED;
-            answer.hit = *contact_at;
+            answer.contact_at = *contact_at;
             [answer.a, answer.b] = bodies(*pair);
             [answer.point_on_a, answer.point_on_b] = witnesses.map(Into::into);
         }

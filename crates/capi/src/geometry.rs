@@ -537,7 +537,7 @@ pub unsafe extern "C" fn lc_geometry_get_repair(
             Geometry::Mesh(mesh) => mesh.report().repair.as_deref(),
             _ => None,
         };
-        let told = repair.map(|repair| lc_mesh_repair {
+        let reported = repair.map(|repair| lc_mesh_repair {
             welded: repair.welded as u64,
             turned: repair.turned.len() as u64,
             caps: repair.caps.len() as u64,
@@ -545,7 +545,7 @@ pub unsafe extern "C" fn lc_geometry_get_repair(
             cap_share: repair.cap_share,
             is_empty: u32::from(repair.is_empty),
         });
-        out.write(0, told.unwrap_or_default());
+        out.write(0, reported.unwrap_or_default());
         Ok(())
     })
 }

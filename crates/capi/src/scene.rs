@@ -369,8 +369,8 @@ pub extern "C" fn lc_scene_exclude(scene: lc_scene, a: lc_body, b: lc_body, excl
     guarded(|| {
         with(scene, |scene| {
             let done = match excluded {
-                0 => scene.allow_pair(body(a), body(b)),
-                _ => scene.ignore_pair(body(a), body(b)),
+                0 => scene.include_pair(body(a), body(b)),
+                _ => scene.exclude_pair(body(a), body(b)),
             };
             done.map_err(refused)
         })

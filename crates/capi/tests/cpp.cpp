@@ -130,7 +130,7 @@ static void checkers() {
   const double a[] = {0, 0, 0}, b[] = {6, 0, 0}, c[] = {0, 6, 0};
   TRUE(checker.is_free(a) && std::fabs(checker.clearance(a).distance - 2) < 1e-12);
   const lc_verdict blocked = checker.certify(a, b);
-  TRUE(blocked.state == LC_BLOCKED && blocked.safe <= 1. / 3 && 1. / 3 <= blocked.hit && checker.name(blocked.b) == "wall");
+  TRUE(blocked.state == LC_BLOCKED && blocked.free_until <= 1. / 3 && 1. / 3 <= blocked.contact_at && checker.name(blocked.b) == "wall");
   TRUE(checker.certify(a, c).state == LC_FREE);
   Checker copy = checker.copy();
   const auto path = copy.plan(a, b);

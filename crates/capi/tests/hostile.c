@@ -280,7 +280,7 @@ static void scenes_and_checkers(void) {
   EXPECT(lc_checker_free_at_many(check, q, 3, 1, &is_free, &count), LC_OK);
   TRUE(is_free == 1);
   EXPECT(lc_checker_certify_many(check, q, q + 3, 3, 2, verdict, sizeof *verdict, &count), LC_OK);
-  TRUE(verdict[0].state == LC_BLOCKED && verdict[0].b.id == wall.id && verdict[0].safe <= 1. / 3 && 1. / 3 <= verdict[0].hit);
+  TRUE(verdict[0].state == LC_BLOCKED && verdict[0].b.id == wall.id && verdict[0].free_until <= 1. / 3 && 1. / 3 <= verdict[0].contact_at);
   EXPECT(lc_checker_copy(check, &copy), LC_OK);
   EXPECT(lc_checker_certify_path(copy, q, 3, 3, verdict, sizeof *verdict), LC_OK);
   TRUE(verdict[0].state == LC_BLOCKED && verdict[0].segment == 0);

@@ -27,7 +27,7 @@ pub(crate) struct AuditOptions {
     #[arg(long, value_name = "S", value_parser = values::duration)]
     seconds: Option<Duration>,
     /// Width of the least clearance as a share of it; 0 proves only that pairs never meet
-    #[arg(long = "relative-width", alias = "width", value_name = "SHARE", default_value = "0.1", value_parser = values::share)]
+    #[arg(long = "relative-width", value_name = "SHARE", default_value = "0.1", value_parser = values::share)]
     width: f64,
     /// Output file with one row for each pair
     #[arg(long, value_name = "OUT.csv")]
@@ -159,7 +159,7 @@ fn state(file: &Path, reason: &str) -> ToolError {
 fn line(one: &LinkAudit) -> String {
     let [a, b] = &one.names;
     let least = distance(one.lower, f64::INFINITY);
-    let told = match one.verdict {
+    let reported = match one.verdict {
         AuditVerdict::Never if one.upper.is_finite() => {
             format!(", {least}, {}", distance(f64::NEG_INFINITY, one.upper))
         }
@@ -169,7 +169,7 @@ fn line(one: &LinkAudit) -> String {
     };
     let joints = if one.joints == 1 { "joint" } else { "joints" };
     format!(
-        "{:<7}{a} - {b} ({} {joints}{told})",
+        "{:<7}{a} - {b} ({} {joints}{reported})",
         one.verdict.to_string(),
         one.joints
     )

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lin_canny_cli::{RobotOptions, output::progress};
-use lin_canny_robot::{Srdf, find_excludable};
+use lin_canny_robot::{Srdf, find_excluded};
 
 use crate::end::{End, ToolError};
 use crate::text::write;
@@ -28,7 +28,7 @@ pub(crate) struct FindExcludedOptions {
 pub(crate) fn run(options: &FindExcludedOptions) -> Result<End, ToolError> {
     let (robot, cell) = options.robot.load()?;
     let bar = progress("configurations", options.samples);
-    let counts = find_excludable(&cell, options.samples, options.seed, &mut |progress| {
+    let counts = find_excluded(&cell, options.samples, options.seed, &mut |progress| {
         bar.set_position(progress.done as u64);
         ControlFlow::Continue(())
     })?;

@@ -78,7 +78,6 @@ enum Command {
     /// Compute balls around and inside the links, or hulls of few faces around them, with proven gaps
     Cover(cover::CoverOptions),
     /// Find link pairs that always or never collide, and write them as SRDF
-    #[command(alias = "ignorable")]
     FindExcluded(find_excluded::FindExcludedOptions),
     /// Find parts of a model that overlap, and gaps that are too small, in mesh files and cells
     Clash(clash::ClashArguments),

@@ -83,7 +83,7 @@ pub struct RobotOptions {
     #[arg(long, value_name = "NAME=LENGTH", value_parser = values::named_number)]
     pad: Vec<(String, f64)>,
     /// Exclude all pairs of two links, or of a link and an obstacle; may be repeated
-    #[arg(long, alias = "allow", value_name = "A,B", value_parser = values::name_pair)]
+    #[arg(long, value_name = "A,B", value_parser = values::name_pair)]
     exclude: Vec<[String; 2]>,
     /// Attach an object to a link: a JSON file with a body of a cell, its pose in the frame of the
     /// link, and `touch_links`; may be repeated

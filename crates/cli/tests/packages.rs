@@ -61,7 +61,7 @@ fn packages_above_a_relative_path_are_found() {
     ] {
         let mut tool = Command::new(env!("CARGO_BIN_EXE_lin-canny"));
         tool.current_dir(root.join(current))
-            .args(["ignorable", path, "--samples", "1"]);
+            .args(["find-excluded", path, "--samples", "1"]);
         let output = tool.output().expect("the tool runs");
         assert!(output.status.success(), "{path} in {current}: {output:?}");
         // A cell is found by the same rules.
@@ -69,7 +69,7 @@ fn packages_above_a_relative_path_are_found() {
         write(&root.join("pkg_a/urdf/cell.json"), bodies);
         let cell = path.replace("r.urdf", "cell.json");
         let mut tool = Command::new(env!("CARGO_BIN_EXE_lin-canny"));
-        let arguments = ["ignorable", path, "--samples", "1", "--cell", &cell];
+        let arguments = ["find-excluded", path, "--samples", "1", "--cell", &cell];
         let output = tool
             .current_dir(root.join(current))
             .args(arguments)

@@ -314,7 +314,7 @@ fn a_trajectory_is_recorded_with_its_verdict() {
 fn the_page_of_an_audit_draws_each_pair() {
     let [page, table] = ["audit.html", "audit.csv"].map(out);
     // A name that must be escaped, and a half-space.
-    let line = "audit gripper.urdf --srdf audit/claimed.srdf --cell audit/floor.json --cells 100 --width 0";
+    let line = "audit gripper.urdf --srdf audit/claimed.srdf --cell audit/floor.json --cells 100 --relative-width 0";
     let (code, told) = run(line, &["--csv", &table, "--report", &page]);
     assert_eq!(code, 1, "{told}");
     let rows = text(&table).lines().count() - 1;
@@ -418,7 +418,7 @@ fn a_reader_that_has_gone_is_no_error() {
         ),
         (format!("plan {CELL} --joints carry.csv"), vec![], 0),
         (format!("cell {CELL}"), vec![], 0),
-        ("ignorable gripper.urdf".into(), vec![], 0),
+        ("find-excluded gripper.urdf".into(), vec![], 0),
         ("points wedge.obj --points three.xyz".into(), vec![], 0),
         ("points wedge.obj --grid 4".into(), vec!["--out", &grid], 0),
         ("--help".into(), vec![], 0),

@@ -123,7 +123,7 @@
 //!    or at a bound. Search the slice of the end in the same way, with one dimension less. Freeways
 //!    of a slice are called *bridges*.
 //! 4. Channels split and join where the robot is between two obstacles on opposite sides. Search
-//!    for such a configuration with a *feeler*, a motion towards a random configuration up to the
+//!    for such a configuration with an *extension*, a motion towards a random configuration up to the
 //!    first contact. If it finds one, start a slice there, swept along the channel. Otherwise take
 //!    a random slice: a random configuration, in contact or not, and a random sweep coordinate.
 //!    Random slices find most narrow passages, because the climb within the slice leads into the
@@ -131,7 +131,8 @@
 //! 5. Link the new nodes to other components of the roadmap by straight segments. If start and goal
 //!    are in one component, the search is done.
 //!
-//! The planner is complete in the sense above because feelers reach every open set and are linked.
+//! The planner is complete in the sense above because extensions reach every open set and are
+//! linked.
 //!
 //! # When not to use it
 //!
@@ -143,7 +144,7 @@
 //!
 //! Canny and Lin 1993, "An opportunistic global path planner", Algorithmica 10 (the thesis, chapter
 //! 6); Schwarzer, Saha and Latombe 2005, "Adaptive dynamic collision checking" (segments proven by
-//! bounds of displacements); Kuffner and LaValle 2000, "RRT-Connect" (and feelers); Yershova,
+//! bounds of displacements); Kuffner and LaValle 2000, "RRT-Connect" (and extensions); Yershova,
 //! Jaillet, Simeon and LaValle 2005, "Dynamic-domain RRTs". Departures of the opportunistic
 //! planner:
 //!
@@ -152,7 +153,7 @@
 //! 2. Critical points are not enumerated from the constraints of all feature pairs. Contacts
 //!    between opposite obstacles, found locally, replace them.
 //! 3. The ascent is a proximal bundle method, because the clearance has kinks at its maxima.
-//! 4. Straight links and feelers join components of the roadmap before bridges are searched.
+//! 4. Straight links and extensions join components of the roadmap before bridges are searched.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

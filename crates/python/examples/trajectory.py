@@ -46,8 +46,8 @@ def draw(checker, motion, verdict, out):
         return
     matplotlib.use("Agg")
     axes = lc.plot_clearance(checker, motion)
-    if verdict.blocked_time is not None:
-        axes.axvline(verdict.blocked_time, color="red", label=" - ".join(verdict.pair))
+    if verdict.contact_time is not None:
+        axes.axvline(verdict.contact_time, color="red", label=" - ".join(verdict.pair))
     axes.set(xlabel="time in s", ylabel="distance in m")
     axes.figure.legend(loc="outside right upper", fontsize="small")
     axes.figure.savefig(out, dpi=150)

@@ -451,16 +451,16 @@ class CollisionManager:
         world.step(self._objs, others)
         pairs = world.scene.pairs()
         hits = pairs[pairs["overlaps"] == 1]
-        told: list[Any] = [len(hits) > 0]
+        reported: list[Any] = [len(hits) > 0]
         if len(hits) > 0:
             world.last = world.named(int(hits[0]["a"]), int(hits[0]["b"]))[1:]
         if return_names or return_data:
             named = [world.named(int(hit["a"]), int(hit["b"]))[1:] for hit in hits]
             if return_names:
-                told.append({shown(names) for names in named})
+                reported.append({shown(names) for names in named})
             if return_data:
-                told.append([c for a, b in named for c in _contacts((a, b), (self._objs[a], others[b]))])
-        return told[0] if len(told) == 1 else tuple(told)
+                reported.append([c for a, b in named for c in _contacts((a, b), (self._objs[a], others[b]))])
+        return reported[0] if len(reported) == 1 else tuple(reported)
 
     def _distance(
         self,
@@ -479,12 +479,12 @@ class CollisionManager:
             points = (found.point_b, found.point_a) if is_exchanged else (found.point_a, found.point_b)
             names = (a, b)
             data = DistanceData(names, (self._objs[a], others[b]), points, distance)
-        told: list[Any] = [distance]
+        reported: list[Any] = [distance]
         if return_names:
-            told.append(shown(names))
+            reported.append(shown(names))
         if return_data:
-            told.append(data)
-        return told[0] if len(told) == 1 else tuple(told)
+            reported.append(data)
+        return reported[0] if len(reported) == 1 else tuple(reported)
 
 
 def scene_to_collision(scene: Any) -> tuple[CollisionManager, dict[Hashable, Geometry]]:

@@ -20,7 +20,7 @@ use crate::errors::refused;
 pub(crate) const BLOCK: usize = 1024;
 
 /// Maximum number of queries between two readings of the clock.
-const LOOK: usize = 64;
+const CLOCK_STRIDE: usize = 64;
 
 /// Time between two checks for signals and progress.
 pub(crate) const BREATH: Duration = Duration::from_millis(50);
@@ -33,7 +33,7 @@ pub(crate) trait Batch: Sync {
     /// The answer of a query.
     type Row: Send;
     /// Number of queries between two readings of the clock.
-    const LOOK: usize = LOOK;
+    const CLOCK_STRIDE: usize = CLOCK_STRIDE;
 
     /// Number of queries that share a state, of so many on so many threads.
     fn block(&self, _count: usize, _threads: usize) -> usize {
@@ -214,7 +214,7 @@ impl<'a, B: Batch> Queue<'a, '_, B> {
                     None => return Ok(true),
                 },
             };
-            let count = B::LOOK.min(current.rows.len());
+            let count = B::CLOCK_STRIDE.min(current.rows.len());
             let (now, later) = std::mem::take(&mut current.rows).split_at_mut(count);
             self.batch.answer(&mut current.state, current.first, now)?;
             self.done.fetch_add(count, Ordering::Relaxed);

@@ -240,8 +240,8 @@ impl Checker {
     }
 
     /// Drops all cached state: the next answer has the bits of a new checker's.
-    fn forget(&mut self) {
-        self.checker.forget();
+    fn reset(&mut self) {
+        self.checker.reset();
     }
 
     /// Returns the pair of least signed distance at a configuration, shape (dof,).

@@ -63,7 +63,7 @@ struct Points<'a> {
 impl Batch for Points<'_> {
     type State = ();
     type Row = Row;
-    const LOOK: usize = MOST;
+    const CLOCK_STRIDE: usize = MOST;
 
     fn block(&self, count: usize, threads: usize) -> usize {
         count.div_ceil(threads).clamp(BLOCK, MOST)

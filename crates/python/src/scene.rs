@@ -125,13 +125,13 @@ impl Scene {
     }
 
     /// Excludes a pair of bodies from all queries.
-    fn ignore_pair(&mut self, a: u64, b: u64) -> PyResult<()> {
-        self.0.ignore_pair(body(a), body(b)).map_err(scene_error)
+    fn exclude_pair(&mut self, a: u64, b: u64) -> PyResult<()> {
+        self.0.exclude_pair(body(a), body(b)).map_err(scene_error)
     }
 
     /// Enables a pair again that was excluded.
-    fn allow_pair(&mut self, a: u64, b: u64) -> PyResult<()> {
-        self.0.allow_pair(body(a), body(b)).map_err(scene_error)
+    fn include_pair(&mut self, a: u64, b: u64) -> PyResult<()> {
+        self.0.include_pair(body(a), body(b)).map_err(scene_error)
     }
 
     /// Applies all changes and runs the enabled queries, with the interpreter lock released.

@@ -44,21 +44,21 @@ def test_verdicts_agree_with_many_configurations(checker):
             assert free.all() and checker.clearance_along_curve(points)[0] > 0
             assert checker.prove_curve(points) is not None
         else:
-            assert free[times < verdict.safe].all() and verdict.pair == ("bar", "post")
-            assert not checker.is_free(lc.JointCurve.bezier(points).at(verdict.blocked_at))
+            assert free[times < verdict.free_until].all() and verdict.pair == ("bar", "post")
+            assert not checker.is_free(lc.JointCurve.bezier(points).at(verdict.contact_at))
             assert checker.prove_curve(points) is None
-            assert verdict.safe_time is None and verdict.blocked_time is None
+            assert verdict.free_until_time is None and verdict.contact_time is None
     assert states == {"free", "blocked"}
 
 
 def test_a_curve_of_degree_one_is_a_segment(checker):
     rng = np.random.default_rng(6)
     for ends in rng.uniform([0, -3], [1, 3], size=(200, 2, 2)):
-        checker.forget()
+        checker.reset()
         straight = checker.certify(*ends)
-        checker.forget()
+        checker.reset()
         curve = checker.certify_curve(ends)
-        assert (curve.state, curve.safe, curve.blocked_at) == (straight.state, straight.safe, straight.blocked_at)
+        assert (curve.state, curve.free_until, curve.contact_at) == (straight.state, straight.free_until, straight.contact_at)
         # Degree 1 written as degree 7.
         high = lc.JointCurve.bezier(np.linspace(*ends, 8))
         assert checker.certify_curve(high).state == straight.state
@@ -143,7 +143,7 @@ def test_splines(checker):
     far[3, 1, 1] = 2
     blocked = checker.certify_spline(far)
     assert (blocked.segment, blocked.pair) == (3, ("bar", "post"))
-    assert blocked.blocked_at == checker.certify(*far[3]).blocked_at
+    assert blocked.contact_at == checker.certify(*far[3]).contact_at
     calls = []
     checker.certify_spline(far, progress=lambda done, total: calls.append((done, total)))
     assert calls[-1] == (4, 4)
@@ -226,15 +226,15 @@ def test_a_batch_is_the_loop(checker):
     for tube in (None, [0.01, 0.02]):
         found = checker.certify_batch(curves, tube=tube)
         for row, curve in zip(found, curves):
-            checker.forget()
+            checker.reset()
             one = checker.certify_curve(curve, tube=tube)
-            assert (row["state"], row["safe"]) == (one.state, one.safe)
+            assert (row["state"], row["free_until"]) == (one.state, one.free_until)
             if one.state == "blocked":
-                assert row["blocked_at"] == one.blocked_at
+                assert row["contact_at"] == one.contact_at
                 assert (checker.bodies[row["a"]], checker.bodies[row["b"]]) == one.pair
                 assert np.array_equal([row["point_a"], row["point_b"]], one.points)
             else:
-                assert np.isnan(row["blocked_at"]) and row["a"] == row["b"] == -1
+                assert np.isnan(row["contact_at"]) and row["a"] == row["b"] == -1
     ends = rng.uniform([0, -3], [1, 3], size=(3000, 2, 2))
     calls = []
     one = checker.certify_batch(ends, progress=lambda *done: calls.append(done))

@@ -31,7 +31,7 @@ def test_a_trajectory_is_proven_on_the_clock(crossing):
     assert crossing.certify_trajectory(still(12.001, 20)).is_free
     verdict = crossing.certify_trajectory(lc.Trajectory([0, 4, 9], np.zeros((3, 2))))
     assert verdict.pair == ("bar", "cart") and verdict.segment == 1
-    assert verdict.safe_time <= 8 <= verdict.blocked_time + 1e-9 and verdict.blocked_time < 8.01
+    assert verdict.free_until_time <= 8 <= verdict.contact_time + 1e-9 and verdict.contact_time < 8.01
     curve = lc.JointCurve.bezier(np.zeros((2, 2)))
     assert curve.times is None and still(3, 4).curves()[0].times == (3, 4)
     assert crossing.certify_curve(curve.with_times(0, 7)).is_free
@@ -92,12 +92,12 @@ def test_a_cell_with_poses_and_two_robots(robot, tmp_path, crossing):
     rows = np.zeros((2, 4))
     assert two.coordinates == ["lift", "turn", "b/lift", "b/turn"]
     verdict = two.certify_trajectory(lc.Trajectory([0, 9], rows))
-    assert verdict.pair == ("bar", "cart") and verdict.blocked_time == pytest.approx(8, abs=0.01)
+    assert verdict.pair == ("bar", "cart") and verdict.contact_time == pytest.approx(8, abs=0.01)
     two.save(tmp_path / "saved.json")
     again = lc.Checker({"": (robot, None), "b/": (robot, far)}, cell=tmp_path / "saved.json")
     for one in (two, again):
-        one.forget()
+        one.reset()
     assert (
-        again.certify_trajectory(lc.Trajectory([0, 9], rows)).blocked_time
-        == two.certify_trajectory(lc.Trajectory([0, 9], rows)).blocked_time
+        again.certify_trajectory(lc.Trajectory([0, 9], rows)).contact_time
+        == two.certify_trajectory(lc.Trajectory([0, 9], rows)).contact_time
     )

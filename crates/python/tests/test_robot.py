@@ -75,7 +75,7 @@ def test_clearances_by_hand(checker):
     assert np.array_equal(free, checker.are_free(q, threads=2))
     for k, row in enumerate(found[:2000]):
         if k % 1024 == 0:
-            checker.forget()
+            checker.reset()
         near = checker.clearance(q[k])
         assert (near.distance, near.lower, near.upper) == (row["distance"], row["lower"], row["upper"])
         assert (near.a, near.b) == (checker.bodies[row["a"]], checker.bodies[row["b"]])
@@ -101,11 +101,11 @@ def test_a_margin(checker):
 def test_certified_segments(checker):
     touch = math.pi / 2 - math.asin(0.2 / 1.5)  # the side of the bar meets the post here
     free = checker.certify([0, 0], [1, touch - 1e-6])
-    assert free.is_free and free.state == "free" and free.pair is None and free.safe == 1
+    assert free.is_free and free.state == "free" and free.pair is None and free.free_until == 1
     assert checker.is_free([0, 0], [1, touch - 1e-6])
     blocked = checker.certify([0, 0], [0, 2])
     assert blocked.state == "blocked" and blocked.pair == ("bar", "post")
-    assert blocked.safe <= touch / 2 <= blocked.blocked_at < touch / 2 + 1e-5
+    assert blocked.free_until <= touch / 2 <= blocked.contact_at < touch / 2 + 1e-5
     assert np.allclose(*blocked.points, atol=1e-4)
     assert checker.certify_path([[0, 0], [0, 1], [0, 2]]).segment == 1
     for verdict in (free, blocked):  # an object is true, also one that says no

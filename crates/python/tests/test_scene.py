@@ -49,10 +49,10 @@ def test_searches():
     assert found.point_a[0] == 0.5 and found.point_b[0] == 2.5 and np.array_equal(found.normal, [1, 0, 0])
     assert [(p.a, p.b) for p in scene.pairs_within(ROBOT, CELL, 2)] == [(arm, wall)]
     assert [p.b for p in scene.nearest(arm, 5)] == [wall, far]
-    scene.ignore_pair(arm, wall)
+    scene.exclude_pair(arm, wall)
     scene.step()
     assert scene.closest_pair(ROBOT, CELL).b == far
-    scene.allow_pair(arm, wall)
+    scene.include_pair(arm, wall)
     scene.remove(far)
     scene.step()
     assert scene.closest_pair(ROBOT, CELL).b == wall

@@ -20,7 +20,7 @@ def given(order):
 
 def certified(checker, motion):
     """Return the verdict of a checker without cached state, whose last bits are always the same."""
-    checker.forget()
+    checker.reset()
     return checker.certify_trajectory(motion)
 
 
@@ -32,24 +32,24 @@ def test_the_verdict_has_time_and_pair(checker, order):
     verdict = certified(checker, motion)
     assert verdict.segment == 1 and verdict.pair == ("bar", "post")
     # The angle at the time of contact is that at which the bar meets the post.
-    assert 2 < verdict.safe_time <= verdict.blocked_time < 4.5
-    assert verdict.blocked_time == pytest.approx(2 + 2.5 * verdict.blocked_at)
-    before, after = motion.at([verdict.safe_time, verdict.blocked_time])[:, 1]
+    assert 2 < verdict.free_until_time <= verdict.contact_time < 4.5
+    assert verdict.contact_time == pytest.approx(2 + 2.5 * verdict.contact_at)
+    before, after = motion.at([verdict.free_until_time, verdict.contact_time])[:, 1]
     assert before - 1e-12 <= TOUCH <= after + 1e-12 and after - before < 1e-4
-    assert f"segment 1, time {verdict.blocked_time}" in str(verdict)
-    assert f"segment 1, time {verdict.blocked_time:.9f}" in repr(verdict)
-    checker.forget()
+    assert f"segment 1, time {verdict.contact_time}" in str(verdict)
+    assert f"segment 1, time {verdict.contact_time:.9f}" in repr(verdict)
+    checker.reset()
     one = checker.certify_spline(curves)
-    assert (one.segment, one.blocked_at) == (1, verdict.blocked_at) and one.blocked_time is None
+    assert (one.segment, one.contact_at) == (1, verdict.contact_at) and one.contact_time is None
     assert np.array_equal(motion.at(TIMES), POSITIONS)
     # At 1,000 times before that, the configuration is free by exact predicates.
-    assert checker.are_free(motion.at(np.linspace(1, verdict.safe_time, 1000))).all()
+    assert checker.are_free(motion.at(np.linspace(1, verdict.free_until_time, 1000))).all()
     for pickled in (motion, pickle.loads(pickle.dumps(motion))):
         assert pickled.curves() == curves and pickled.times.tolist() == TIMES
     calls = []
     slow = lc.Trajectory(TIMES, POSITIONS * [1, 0.3])
     free = checker.certify_trajectory(slow, progress=lambda *done: calls.append(done))
-    assert free.is_free and free.safe_time == 4.5 and free.blocked_time is None and calls[-1] == (2, 2)
+    assert free.is_free and free.free_until_time == 4.5 and free.contact_time is None and calls[-1] == (2, 2)
 
 
 def test_names_may_be_in_any_order(checker, robot):
@@ -57,7 +57,7 @@ def test_names_may_be_in_any_order(checker, robot):
     motion, same = lc.Trajectory(*swapped, names=["turn", "lift"]), lc.Trajectory(*given(2))
     assert motion.names == ["turn", "lift"] and same.names is None
     assert motion.curves(checker) == motion.curves(robot) == same.curves()
-    assert certified(checker, motion).blocked_time == certified(checker, same).blocked_time
+    assert certified(checker, motion).contact_time == certified(checker, same).contact_time
     for names, why in (
         (["turn", "lift_"], 'joint "lift_" does not exist.*nearest: "lift"'),
         (["turn"], "number of names is 1"),
@@ -99,7 +99,7 @@ def test_files_are_the_arrays(checker, robot, tmp_path, order):
             for got, expected in ((read.velocities, VELOCITIES), (read.accelerations, ACCELERATIONS)):
                 assert got is None or np.array_equal(got, expected)
             assert (read.velocities is None, read.accelerations is None) == (order < 1, order < 2)
-    assert certified(checker, read).blocked_time == certified(checker, made).blocked_time
+    assert certified(checker, read).contact_time == certified(checker, made).contact_time
 
 
 def test_faults_of_files(checker, tmp_path):
@@ -140,6 +140,6 @@ def test_faults_of_arrays(checker):
     with pytest.raises(lc.PlanError, match="times: entry 1 is 6"):
         motion.at([3, 6])
     still = checker.certify_trajectory(lc.Trajectory([7], [[0.5, 0]]))
-    assert still.is_free and still.safe_time == 7
+    assert still.is_free and still.free_until_time == 7
     assert lc.Trajectory([7], [[0.5, 0]]).at([7]).tolist() == [[0.5, 0]]
-    assert checker.certify_trajectory(lc.Trajectory([7], [[0.5, 1.6]])).blocked_time == 7
+    assert checker.certify_trajectory(lc.Trajectory([7], [[0.5, 1.6]])).contact_time == 7

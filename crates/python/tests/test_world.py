@@ -62,11 +62,11 @@ def answers(checker, q):
     """Return all answers of a checker as text that shows every digit, each by itself."""
     found = []
     for k, each in enumerate(q):
-        checker.forget()
+        checker.reset()
         near = checker.nearest(each, 0.2)
         found.append([(n.a, n.b, n.distance, n.lower, n.upper, n.excess, *n.normal, *n.gradient) for n in near])
         found.append((checker.in_contact(each), checker.is_free(each), checker.bodies, checker.excluded))
-        checker.forget()
+        checker.reset()
         found.append(repr(checker.certify(each, q[k - 1])))
     return repr(found)
 
@@ -318,7 +318,7 @@ def test_a_batch_of_closest_pairs_is_the_loop_bit_for_bit(checker):
         assert found.shape == (300, k) and found["gradient"].shape == (300, k, 3)
         assert np.array_equal(found, checker.nearest_batch(q, k, slack, threads=3))
         for each, row in zip(q[:60], found, strict=False):
-            checker.forget()
+            checker.reset()
             near = checker.nearest(each, slack)[:k]
             count = int((row["a"] >= 0).sum())
             assert count == len(near) and np.all(row["distance"][count:] == np.inf)
@@ -362,7 +362,7 @@ def test_batches_see_the_changed_world(checker):
     assert np.array_equal(found, checker.clearances(q, threads=2))
     for k in range(0, 1500):
         if k % 1024 == 0:  # each block begins with a new checker
-            checker.forget()
+            checker.reset()
         near = checker.clearance(q[k])
         assert (near.distance, near.lower, near.upper) == tuple(found[k][["distance", "lower", "upper"]])
         assert near.ids == (checker.ids[found["a"][k]], checker.ids[found["b"][k]])

@@ -28,7 +28,7 @@
 //! | load the links, joints and coordinates of a URDF, MJCF or SDFormat file | [`Robot`], [`LoadOptions`] |
 //! | use meshes as hulls, as triangles, or as convex pieces | [`LoadOptions::meshes`], [`MeshUse`] |
 //! | set the folders of `package://` paths | [`Packages`] |
-//! | exclude pairs of links, from an SRDF or random configurations | [`Srdf`], [`find_excludable`] |
+//! | exclude pairs of links, from an SRDF or random configurations | [`Srdf`], [`find_excluded`] |
 //! | use the groups and named states of an SRDF | [`Srdf::groups`], [`Srdf::state`] |
 //! | load obstacles from JSON or SDFormat | [`CellFile`] |
 //! | save the cell of a checker, and load it again | [`CellFile::from_cell`], [`CellFile::save`] |
@@ -207,8 +207,8 @@ mod cover;
 mod csv_rows;
 mod drake;
 mod error;
-mod excludable;
 mod files;
+mod find_excluded;
 mod geometry;
 mod groups;
 mod hulls;
@@ -238,8 +238,8 @@ pub use cell::{BodyName, CellFile, Obstacle};
 pub use cell_body::AttachedBody;
 pub use cover::{LinkCover, LinkCoverError, cover_links, json_of_balls, urdf_of_balls};
 pub use error::{FileError, FileErrorKind, Skipped};
-pub use excludable::{ExcludeReason, LinkPairCount, find_excludable};
 pub use files::{LoadedCell, OtherRobot, RobotFiles};
+pub use find_excluded::{ExcludeReason, LinkPairCount, find_excluded};
 pub use groups::{GroupState, JointGroup, VirtualJoint};
 pub use hulls::{LinkHulls, hull_links, json_of_hulls, urdf_of_hulls};
 pub use lin_canny;

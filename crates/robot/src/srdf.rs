@@ -51,7 +51,7 @@ pub struct Srdf {
     /// The pairs, in the order of the file.
     pub excluded: Vec<ExcludedPair>,
     /// The pairs of `enable_collisions`, which are checked even if the links are adjacent.
-    pub enabled: Vec<[String; 2]>,
+    pub included: Vec<[String; 2]>,
     /// The groups, in the order of the file.
     pub groups: Vec<JointGroup>,
     /// The states of groups, in the order of the file.
@@ -121,7 +121,7 @@ impl Srdf {
                     srdf.skipped.push(xml.error(&node, reason).into());
                 }
                 ("disable_collisions", Ok(links)) => srdf.excluded.push(ExcludedPair { links, reason }),
-                ("enable_collisions", Ok(links)) => srdf.enabled.push(links),
+                ("enable_collisions", Ok(links)) => srdf.included.push(links),
                 ("disable_default_collisions", Err(links)) => alone.extend(links),
                 _ => {}
             }
@@ -134,8 +134,8 @@ impl Srdf {
         srdf.skipped.sort_by_key(|skipped| skipped.line);
         // A pair that is both disabled and enabled is disabled, as in MoveIt.
         let disabled: HashSet<[String; 2]> = srdf.excluded.iter().map(|pair| sorted(&pair.links)).collect();
-        srdf.enabled.retain(|pair| !disabled.contains(&sorted(pair)));
-        let enabled: HashSet<[String; 2]> = srdf.enabled.iter().map(sorted).collect();
+        srdf.included.retain(|pair| !disabled.contains(&sorted(pair)));
+        let enabled: HashSet<[String; 2]> = srdf.included.iter().map(sorted).collect();
         let mut found = disabled;
         for a in alone {
             for b in robot.links().iter().filter(|link| link.name != a) {
@@ -191,7 +191,7 @@ impl Srdf {
             Err(PlanError::WithoutBodies(_)) => Ok(Vec::new()),
             found => found,
         };
-        for [a, b] in self.enabled.iter().map(with_prefix) {
+        for [a, b] in self.included.iter().map(with_prefix) {
             let [first, second] = [may_lack_bodies(cell.select(&a))?, may_lack_bodies(cell.select(&b))?];
             let pairs = first
                 .iter()

@@ -129,7 +129,7 @@ fn cells_with_poses_are_saved_bit_for_bit() {
         let curve = bezier(&[p, q]);
         let curve = curve.with_times([begin, begin + 0.5]).expect("times");
         let verdicts = [&mut one, &mut other].map(|checker| {
-            checker.forget();
+            checker.reset();
             checker.verdict_of(&JointMotion::curve(&curve))
         });
         assert_eq!(verdicts[0], verdicts[1]);

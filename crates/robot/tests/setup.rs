@@ -8,7 +8,7 @@ use lin_canny_plan::{
     Cell, Checker, ConfigurationSpace, Joint, JointKind, JointMotion, JointTree, SegmentMotion, Verdict,
 };
 use lin_canny_robot::{
-    CellFile, ExcludeReason, LoadOptions, MeshUse, MotionKind, Packages, Robot, Srdf, find_excludable,
+    CellFile, ExcludeReason, LoadOptions, MeshUse, MotionKind, Packages, Robot, Srdf, find_excluded,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -296,7 +296,7 @@ fn two_robots_stand_in_one_cell() {
 }
 
 #[test]
-fn excludable_pairs_are_counted_and_written() {
+fn excluded_pairs_are_counted_and_written() {
     let text = r#"<robot name="r &amp; d"><link name="a"><collision><geometry><sphere radius="1"/></geometry></collision></link>
   <link name="b"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
   <link name="c"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
@@ -310,7 +310,7 @@ fn excludable_pairs_are_counted_and_written() {
     let mut setup = Cell::new();
     setup.add_robot("", &robot, Isometry3::identity()).expect("a robot");
     let mut calls = 0;
-    let counts = find_excludable(&setup, 2000, 7, &mut |progress| {
+    let counts = find_excluded(&setup, 2000, 7, &mut |progress| {
         calls += 1;
         Progress::stop_if(progress.done != calls)
     });
@@ -330,7 +330,7 @@ fn excludable_pairs_are_counted_and_written() {
     let (overlaps, reason) = of("a", "c");
     assert!(reason.is_none(), "{overlaps}");
     assert!((overlaps as f64 / 2000.0 - 1.0 / 2.2).abs() < 0.05, "{overlaps}");
-    let few = find_excludable(&setup, 2000, 7, &mut |progress| Progress::stop_if(progress.done >= 10)).expect("counts");
+    let few = find_excluded(&setup, 2000, 7, &mut |progress| Progress::stop_if(progress.done >= 10)).expect("counts");
     assert!(few.iter().all(|pair| pair.samples == 10));
     let srdf = Srdf::from_counts(&counts);
     let again = Srdf::parse(&srdf.text(robot.name()), "r.srdf", &robot).expect("our own text");
@@ -505,13 +505,13 @@ fn links_without_default_collisions_are_checked_only_where_enabled() {
     for text in [format!("{alone}{enable}"), format!("{enable}{alone}{alone}")] {
         let (_, srdf) = srdf(&text).expect("an SRDF");
         assert_eq!(pairs(&srdf), [["hand", "arm"], ["hand", "tool"]]);
-        assert_eq!(srdf.enabled, [["base", "hand"]]);
+        assert_eq!(srdf.included, [["base", "hand"]]);
     }
     // What is disabled itself stays so.
     let disable = "<disable_collisions link1=\"hand\" link2=\"base\"/>";
     for text in [format!("{disable}{enable}"), format!("{enable}{disable}{alone}")] {
         let (_, srdf) = srdf(&text).expect("an SRDF");
-        assert!(pairs(&srdf).contains(&["hand", "base"]) && srdf.enabled.is_empty());
+        assert!(pairs(&srdf).contains(&["hand", "base"]) && srdf.included.is_empty());
     }
     // Adjacent links are checked if their pair is enabled.
     let overlaps = |text: &str| {

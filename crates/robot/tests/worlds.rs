@@ -181,8 +181,8 @@ fn judge(sequences: usize, changes: usize, seed: u64) {
             let by = [0; 3].map(|_| rng.range(-0.3, 0.3));
             let p = checker.space().moved(&q, &by);
             for question in 0..if step % 8 == 0 { 6 } else { 3 } {
-                checker.forget();
-                loaded.forget();
+                checker.reset();
+                loaded.reset();
                 let expected = plans::told(&mut checker, question, &q, &p);
                 let told = renamed(
                     &plans::told(&mut loaded, question, &q, &p),

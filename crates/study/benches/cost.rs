@@ -56,7 +56,7 @@ fn main() -> Result<(), Trouble> {
         let (began, mut least) = (Instant::now(), f64::INFINITY);
         for k in 0..rows.num_rows() {
             if k % every == 0 {
-                checker.forget();
+                checker.reset();
             }
             if let Some(near) = checker.clearance(&row(k))? {
                 least = least.min(near.distance);

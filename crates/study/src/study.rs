@@ -47,7 +47,7 @@ impl StudyOptions {
 /// A robot in its cell, loaded once per process, with a pool of checkers.
 ///
 /// A batch of rows takes a checker from the pool and returns it. Before each row the checker drops
-/// all cached state ([`Checker::forget`]), so the result depends on the row alone, bit for bit.
+/// all cached state ([`Checker::reset`]), so the result depends on the row alone, bit for bit.
 pub struct Study {
     options: StudyOptions,
     fingerprint: String,

@@ -1,8 +1,8 @@
 //! The table of bodies: ids with generations, the stored boxes of this step and the last, and the
 //! lists of moved bodies.
 //!
-//! A box that a caller sets, alone or in a batch, is checked, grown by the margins of its body and
-//! stored. If it changed, the body is listed.
+//! A box that a caller sets, alone or in a batch, is checked, extended by the options of its body
+//! and stored. If it changed, the body is listed.
 
 mod record;
 #[cfg(feature = "serde")]
@@ -48,32 +48,32 @@ impl fmt::Display for BodyId {
 /// Largest number of bodies: one bit of a 32-bit index serves as a flag inside columns.
 const MOST_BODIES: usize = (1 << 31) - 1;
 
-/// Options and margins of a body, which only events and newly computed boxes read.
+/// Options of a body, which only events and newly computed boxes read.
 #[derive(Clone, Copy, Debug)]
 struct BodyDetail {
     groups: Groups,
-    margin: f32,
+    growth: f32,
     lookahead: f32,
     fixed: bool,
 }
 
 impl BodyDetail {
     fn new(body: BodyOptions) -> Self {
-        let (margin, lookahead) = (body.margin as f32, body.lookahead as f32);
+        let (growth, lookahead) = (body.growth as f32, body.lookahead as f32);
         Self {
             groups: body.groups,
-            margin,
+            growth,
             lookahead,
             fixed: body.fixed,
         }
     }
 
     fn body(&self) -> BodyOptions {
-        let (margin, lookahead) = (f64::from(self.margin), f64::from(self.lookahead));
+        let (growth, lookahead) = (f64::from(self.growth), f64::from(self.lookahead));
         BodyOptions {
             groups: self.groups,
             fixed: self.fixed,
-            margin,
+            growth,
             lookahead,
         }
     }
@@ -153,12 +153,12 @@ impl Bodies {
         let i = index as usize;
         let id = self.slots.begin(index);
         self.details[i] = BodyDetail::new(body);
-        let is_loose = body.margin > 0.0 || body.lookahead > 0.0;
+        let is_loose = body.growth > 0.0 || body.lookahead > 0.0;
         let kind = if is_loose { LOOSE } else { 0 } | if body.fixed { FIXED } else { 0 };
         // Otherwise loose boxes that are inserted together would all be computed again together, in
         // waves.
         let stored = if is_loose {
-            grown(&stored, body.margin as f32 * fraction(index))
+            grown(&stored, body.growth as f32 * fraction(index))
         } else {
             stored
         };
@@ -423,14 +423,14 @@ impl PlaceContext<'_> {
         }
     }
 
-    /// Returns the given box grown by the margins of the body.
+    /// Returns the given box, extended by the options of the body.
     #[inline(never)]
     fn loosened(&self, record: &Record, index: u32, given: Bounds) -> Bounds {
         let Some(detail) = self.details.get(index as usize) else {
             return given;
         };
         let (given, present) = (given.to_box(), record.now().to_box());
-        let mut stored = grown(&given, detail.margin);
+        let mut stored = grown(&given, detail.growth);
         let steps = self.step.wrapping_sub(record.stamp()).max(1) as f32;
         let ahead = detail.lookahead / steps;
         if ahead > 0.0 {
@@ -454,11 +454,11 @@ fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result
     Ok(StoredBox::outward(aabb, origin).rotated(grid.axis))
 }
 
-fn grown(stored: &StoredBox, margin: f32) -> StoredBox {
+fn grown(stored: &StoredBox, growth: f32) -> StoredBox {
     let mut out = *stored;
     for k in 0..3 {
-        out.lo[k] = (stored.lo[k] - margin).at_least(-FARTHEST);
-        out.hi[k] = (stored.hi[k] + margin).at_most(FARTHEST);
+        out.lo[k] = (stored.lo[k] - growth).at_least(-FARTHEST);
+        out.hi[k] = (stored.hi[k] + growth).at_most(FARTHEST);
     }
     out
 }

@@ -95,7 +95,7 @@ impl BodiesState {
                 ordered || *b == StoredBox::EMPTY
             };
             if !sound(&row.new) || !sound(&row.old) || row.body.check().is_err() {
-                return Err("a body of the broad phase has an unusable box or margin".into());
+                return Err("a body of the broad phase has an unusable box or growth".into());
             }
             let mut record = Record::new(&Bounds::from_box(&row.new), row.stamp, row.flags & LASTING);
             record.set_old(&Bounds::from_box(&row.old));

@@ -362,8 +362,8 @@ impl SweepAndPrune {
     /// Inserts a body; its pairs start with the next step.
     ///
     /// # Errors
-    /// Returns an error if the box, a margin or the origin of the structure is invalid, or if there
-    /// are too many bodies.
+    /// Returns an error if the box, its growth or the origin of the structure is invalid, or if
+    /// there are too many bodies.
     pub fn insert(&mut self, aabb: &Aabb, body: BodyOptions) -> Result<BodyId, BroadPhaseError> {
         self.state.insert(aabb, body, false)
     }
@@ -380,7 +380,7 @@ impl SweepAndPrune {
         self.state.insert(
             aabb,
             BodyOptions {
-                margin: 0.0,
+                growth: 0.0,
                 lookahead: 0.0,
                 ..body
             },
@@ -450,14 +450,14 @@ impl SweepAndPrune {
         self.state.bodies.index_of(id).is_ok()
     }
 
-    /// Returns the options of a body, with margins as stored, in `f32`.
+    /// Returns the options of a body, with growth and look-ahead as stored, in `f32`.
     #[must_use]
     pub fn body(&self, id: BodyId) -> Option<BodyOptions> {
         let bodies = &self.state.bodies;
         bodies.index_of(id).ok().map(|_| bodies.body(id.index))
     }
 
-    /// Returns the box of a body that the next step will use, margins included.
+    /// Returns the box of a body that the next step will use, growth included.
     #[must_use]
     pub fn stored_box(&self, id: BodyId) -> Option<StoredBox> {
         let bodies = &self.state.bodies;

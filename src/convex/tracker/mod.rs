@@ -484,13 +484,13 @@ impl Tracker {
     }
 
     /// Drops the cached polytope of an overlap, and its memory.
-    pub(crate) fn shed(&mut self) {
+    pub(crate) fn free_memory(&mut self) {
         self.memory = Memory::default();
     }
 
     /// Exchanges the working memory of depth searches.
     ///
-    /// A scene lends one such memory to all its trackers, because one per tracker would not stay in
+    /// All trackers of a scene share one such memory, because one per tracker would not stay in
     /// the cache.
     #[inline]
     pub(crate) fn exchange(&mut self, workspace: &mut Workspace) {

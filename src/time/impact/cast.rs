@@ -229,16 +229,16 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
                 }
             }
             let aim = if gap <= allowed { 0.0 } else { AIM * allowed };
-            flight.keep = self.distance + aim;
+            flight.required = self.distance + aim;
             let by_fixed = flight.by_fixed_normal(&*self.pair, seen);
             let free = by_fixed.unwrap_or_else(|| self.pair.free_for(seen, flight));
             if free.span >= flight.span {
-                self.note(time, self.until, flight.keep, free.proof);
+                self.note(time, self.until, flight.required, free.proof);
                 return Ok(Next::Found(Impact::Miss));
             }
             let next = later(time, free.span).smaller(self.until);
             if next > time {
-                self.note(time, next, flight.keep, free.proof);
+                self.note(time, next, flight.required, free.proof);
                 return Ok(Next::Go(next));
             }
             if !(allowed > least) {
@@ -306,7 +306,7 @@ pub(super) fn flight<A: Motion + ?Sized, B: Motion + ?Sized>(
     motion_b: &B,
     time: f64,
     until: f64,
-    keep: f64,
+    required: f64,
 ) -> Result<(RelativePose, PairMotion), PoseError> {
     // Rounded up, so that a proof for the span is a proof to the end.
     let span = if until > time { (until - time).next_up() } else { 0.0 };
@@ -323,7 +323,7 @@ pub(super) fn flight<A: Motion + ?Sized, B: Motion + ?Sized>(
         model_a,
         model_b,
         span,
-        keep,
+        required,
     };
     Ok((relative, flight))
 }

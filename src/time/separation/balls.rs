@@ -62,7 +62,7 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &PairMotion) -> Ap
     let reach = radius_a + radius_b;
     let size = reach + length(&offset) + 2.0 * (length(&a.pivot.coords) + length(&b.pivot.coords));
     let noise = PLANE * size + drift.0[0] + f64::MIN_POSITIVE;
-    let near = reach + flight.keep + noise;
+    let near = reach + flight.required + noise;
     let distance = length(&between);
     if !(distance > near) {
         return Apart {

@@ -104,7 +104,7 @@ impl<'a> FixedNormal<'a> {
     /// This holds for shapes that do not rotate, and for most of the time to a contact that is not
     /// near.
     fn lasts(&self) -> bool {
-        let gap = self.gap - self.flight.keep;
+        let gap = self.gap - self.flight.required;
         let is_far = gap > FIXED_GAP * (self.reach[0] + self.reach[1]);
         self.turning == 0.0 || is_far && self.turning <= -FIXED_SHARE * self.slope
     }
@@ -112,7 +112,7 @@ impl<'a> FixedNormal<'a> {
     /// Returns whether the plane may prove the whole motion, without the drifts of motions.
     fn may_prove_all(&self) -> bool {
         let way = (self.turning - self.slope) * (self.flight.span / self.tick);
-        self.gap - self.flight.keep > way
+        self.gap - self.flight.required > way
     }
 
     /// Returns how long the plane separates the shapes, and the plane.
@@ -137,7 +137,7 @@ impl<'a> FixedNormal<'a> {
         let (slope, bend) = (self.slope, self.n.dot(&acceleration));
         let rates = one_norm(&self.velocity) + self.turning;
         let margin = |length: f64| PLANE * length * (rates + length * one_norm(&acceleration));
-        let now = self.gap - (PLANE * size + flight.keep + d0 + f64::MIN_POSITIVE);
+        let now = self.gap - (PLANE * size + flight.required + d0 + f64::MIN_POSITIVE);
         let mut length = (flight.span / tick).smaller(AHEAD * time_to(self.gap, slope - d1, bend - d2));
         if !(length < f64::INFINITY && now > 0.0) {
             return 0.0;
@@ -195,7 +195,7 @@ impl PairMotion {
     pub(super) fn size(&self, reach: f64) -> f64 {
         let offset = self.pose_b.translation.vector - self.pose_a.translation.vector;
         let pivots = one_norm(&self.model_a.pivot.coords) + one_norm(&self.model_b.pivot.coords);
-        reach + one_norm(&offset) + 2.0 * pivots + self.keep
+        reach + one_norm(&offset) + 2.0 * pivots + self.required
     }
 }
 

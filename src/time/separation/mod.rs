@@ -79,7 +79,7 @@ pub trait Separation {
         }
     }
 
-    /// Returns how long the shapes are proven to stay more than `flight.keep` apart: one step.
+    /// Returns how long the shapes are proven to stay more than `flight.required` apart: one step.
     ///
     /// The time counts from the pose at which `seen` was measured. The default is a separating
     /// plane that rotates with the closest features, bounded over both shapes by
@@ -163,7 +163,7 @@ pub struct PairMotion {
     /// Duration that the query needs.
     pub span: f64,
     /// Distance that the shapes must exceed: zero or more.
-    pub keep: f64,
+    pub required: f64,
 }
 
 /// The time for which a pair is proven separated, and the proof.

@@ -88,7 +88,7 @@ const TRIES: u32 = 3;
 /// It saves up to 40 % of the measured steps for the time of a second plane.
 const FAR: f64 = 0.05;
 
-/// Returns how long a rotating plane proves the shapes more than `flight.keep` apart.
+/// Returns how long a rotating plane proves the shapes more than `flight.required` apart.
 pub(crate) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
     if seen.by_plane && turns_neither(flight) {
         let normal = flight.pose_a.rotation * seen.normal.into_inner();
@@ -116,7 +116,7 @@ fn free_on_own_clock<S: Separation + ?Sized>(pair: &mut S, seen: &Measurement, f
     let at = (setting.a.height(pair, &normal), setting.b.height(pair, &-normal));
     let spin = setting.spin(&normal, &seen.tangent);
     let (mut plane, mut chosen) = (setting.plane(&normal, &spin, &at), spin);
-    if spin != still && seen.lower - flight.keep > FAR * (setting.a.reach + setting.b.reach) {
+    if spin != still && seen.lower - flight.required > FAR * (setting.a.reach + setting.b.reach) {
         let other = setting.plane(&normal, &still, &at);
         if other.ahead > plane.ahead {
             (plane, chosen) = (other, still);
@@ -403,7 +403,7 @@ impl PlaneBetween<'_> {
     fn taken(&self, length: f64) -> f64 {
         let (set, q) = (self.setting, 1.0 + self.rate * length);
         let ways = length * (one_norm(&set.velocity) + length * one_norm(&set.acceleration));
-        PLANE * q * q * (set.size + ways) + set.flight.keep + set.drift.0[0] + f64::MIN_POSITIVE
+        PLANE * q * q * (set.size + ways) + set.flight.required + set.drift.0[0] + f64::MIN_POSITIVE
     }
 
     /// Returns the time at which the current support points would meet the plane from both sides.

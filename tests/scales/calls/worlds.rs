@@ -25,7 +25,7 @@ fn world(scene: &mut Scene, rng: &mut Rng, mut broad: SweepAndPrune) {
     let margin = 0.05 * scene.unit;
     let insert = |broad: &mut SweepAndPrune, rng: &mut Rng, k: usize| {
         let body = [
-            broad::BodyOptions::default().margin(margin).lookahead(1.0),
+            broad::BodyOptions::default().growth(margin).lookahead(1.0),
             broad::BodyOptions::default().fixed(true),
         ][k % 2];
         broad.insert(&aabb(scene, rng), body).expect("a box")

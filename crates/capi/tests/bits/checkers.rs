@@ -122,12 +122,12 @@ fn same_verdict(r: &Verdict, c: &lc_verdict) -> bool {
     let segment = r.piece().unwrap_or(0);
     assert_eq!(
         (segment as u64, r.free_until().to_bits()),
-        (c.segment, c.safe.to_bits())
+        (c.segment, c.free_until.to_bits())
     );
     match r {
         Verdict::Free { clearance, .. } => {
             assert_eq!((c.state, c.clearance.to_bits()), (LC_FREE, clearance.to_bits()));
-            assert_eq!(c.hit, f64::INFINITY);
+            assert_eq!(c.contact_at, f64::INFINITY);
         }
         Verdict::Blocked {
             contact_at: t,
@@ -135,13 +135,13 @@ fn same_verdict(r: &Verdict, c: &lc_verdict) -> bool {
             witnesses,
             ..
         } => {
-            assert_eq!((c.state, c.hit.to_bits()), (LC_BLOCKED, t.to_bits()));
+            assert_eq!((c.state, c.contact_at.to_bits()), (LC_BLOCKED, t.to_bits()));
             assert_eq!((number(pair.a), number(pair.b)), (c.a.id, c.b.id));
             let points = witnesses.map(|point| bits(point.into()));
             assert_eq!(points, [c.point_on_a, c.point_on_b].map(bits));
             return true;
         }
-        _ => assert_eq!((c.state, c.hit), (LC_OPEN, f64::INFINITY)),
+        _ => assert_eq!((c.state, c.contact_at), (LC_OPEN, f64::INFINITY)),
     }
     false
 }
@@ -196,7 +196,7 @@ fn compare<C: ConfigurationSpace + Clone + Sync>(rust: &mut Checker<C>, c: lc_ch
     // SAFETY: all answers are written.
     unsafe { found.set_len(3 * count) };
     for k in 0..count {
-        rust.forget();
+        rust.reset();
         let near = rust.nearest(at(k), 1.0).unwrap();
         for j in 0..3 {
             let c = &found[3 * k + j];

@@ -406,7 +406,7 @@ impl Cell {
             if let CellBody::Obstacle(k) = *id {
                 let name = self.obstacles[k].take().map(|o| o.0).unwrap_or_default();
                 self.free(*id, &name);
-                self.forget_body(*id);
+                self.remove_settings_of(*id);
                 self.note_body(*id);
             }
         }
@@ -475,7 +475,7 @@ impl Cell {
             if let CellBody::Attached(k) = *id {
                 let name = self.attached[k].take().map(|o| o.name).unwrap_or_default();
                 self.free(*id, &name);
-                self.forget_body(*id);
+                self.remove_settings_of(*id);
                 self.note_body(*id);
             }
         }
@@ -520,7 +520,7 @@ impl Cell {
     }
 
     /// Removes what is known about the pairs of a body.
-    fn forget_body(&mut self, id: CellBody) {
+    fn remove_settings_of(&mut self, id: CellBody) {
         self.paddings.remove(&id);
         self.motions.remove(&id);
         self.hulls.remove(&id);

@@ -169,7 +169,7 @@ impl<C: ConfigurationSpace + Clone + Sync> Checker<C> {
         let (length, components) = (self.space.coordinates(), self.space.degrees_of_freedom());
         let mut all = NearPairs::with_rows(configurations.len() / length, columns, components)?;
         for (row, q) in configurations.chunks(length).enumerate() {
-            checker.forget();
+            checker.reset();
             let near = checker.nearest(q, slack).map_err(|error| PlanError::Row {
                 row: first + row,
                 error: Box::new(error),

@@ -1,7 +1,7 @@
 //! Changes of the cell of a checker between queries.
 //!
 //! A change costs what it changes: the pairs of one body. The trackers of other pairs stay. After
-//! [`Checker::forget`], answers equal those of a new checker of the same cell, bit for bit.
+//! [`Checker::reset`], answers equal those of a new checker of the same cell, bit for bit.
 
 use core::ops::{Deref, DerefMut};
 use core::sync::atomic::{AtomicU64, Ordering};
@@ -132,7 +132,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         if self.cell.obstacle_motion(id).is_some() {
             self.check_time()?;
         }
-        Ok(*self.pairs.places.pose(id, &self.moving_poses(configuration)?))
+        Ok(*self.pairs.body_poses.pose(id, &self.moving_poses(configuration)?))
     }
 
     /// Returns the pose of a link in the world at a configuration: the frame to which
@@ -151,7 +151,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.space.check(configuration)?;
         let mut poses = Vec::new();
         self.space.place(configuration, &mut poses);
-        self.pairs.places.carry(&mut poses);
+        self.pairs.body_poses.carry(&mut poses);
         Ok(poses)
     }
 }
@@ -209,7 +209,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.space.set_middles(&middles);
         self.pairs = pairs;
         self.has_parts = self.cell.has_parts();
-        self.forget();
+        self.reset();
         self.set_all_pairs();
         Ok(())
     }
@@ -285,8 +285,8 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns whether the bodies of a pair keep their relative pose at all configurations.
     fn is_rigid(&self, pair: CellPair) -> bool {
-        let places = &self.pairs.places;
-        let [a, b] = [pair.a, pair.b].map(|id| places.mover(id).map(|mover| places.carrier(mover).0));
+        let body_poses = &self.pairs.body_poses;
+        let [a, b] = [pair.a, pair.b].map(|id| body_poses.mover(id).map(|mover| body_poses.carrier(mover).0));
         match (a, b) {
             (Some(a), Some(b)) => a == b || self.space.is_rigid(a, b),
             _ => false,

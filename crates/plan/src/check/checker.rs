@@ -10,7 +10,7 @@ use crate::cell::Changes;
 use crate::cell::range_body::RangeBody;
 use crate::cell::{Cell, Named};
 use crate::check::body_boxes::{GROWN, PlacedBox};
-use crate::check::pairs::{PairKey, Pairs, Places, Stretch, cut, cut_at_knots};
+use crate::check::pairs::{BodyPoses, PairInterval, PairKey, Pairs, cut, cut_at_knots};
 use crate::check::swept_boxes::Sweep;
 use crate::check::verdict::{CheckWork, LeavingPair, Verdict};
 use crate::error::PlanError;
@@ -57,7 +57,7 @@ pub struct Checker<C> {
     pub(crate) work: CheckWork,
     /// Scratch memory: pairs to check, and poses.
     pub(crate) candidates: Vec<usize>,
-    stretches: Vec<Stretch>,
+    pair_intervals: Vec<PairInterval>,
     /// The boxes of the movers along the last motion.
     sweep: Sweep,
     pub(crate) poses: Vec<Isometry3<f64>>,
@@ -110,7 +110,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             time: None,
             work: CheckWork::default(),
             candidates: Vec::new(),
-            stretches: Vec::new(),
+            pair_intervals: Vec::new(),
             sweep: Sweep::default(),
             poses: Vec::new(),
             placed_balls: Vec::new(),
@@ -128,7 +128,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns another checker of the same robot and cell, for example for another thread.
     ///
     /// It has the margins, the accepted contacts, the time and the boxes of pairs of this checker, and
-    /// no cached state: each answer has the bits of an answer after [`forget`](Self::forget).
+    /// no cached state: each answer has the bits of an answer after [`reset`](Self::reset).
     ///
     /// ```
     /// # use lin_canny::nalgebra::Isometry3;
@@ -230,8 +230,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         let kept = self.kept(index);
         let Some(tube) = &self.joint_tube else { return kept };
         let ball = |part: CellBody| {
-            let mover = self.pairs.places.mover(part)?;
-            let (body, carried) = self.pairs.places.carrier(mover);
+            let mover = self.pairs.body_poses.mover(part)?;
+            let (body, carried) = self.pairs.body_poses.carrier(mover);
             Some(BodyBall::new(self.pairs.ball(part), body, carried))
         };
         let pair = self.pairs.all[index].pair;
@@ -255,7 +255,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let mut all = Vec::new();
         for Range { start, end } in parts_of_time(parts) {
             let mut from = start;
-            for at in self.pairs.places.knots(obstacle, start, end) {
+            for at in self.pairs.body_poses.knots(obstacle, start, end) {
                 all.push(from..at);
                 from = at;
             }
@@ -337,7 +337,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 let is_covered = poses.at(times[0]).is_some();
                 return Err(self.no_pose(id, times[usize::from(is_covered)]));
             };
-            self.pairs.places.parts[k] = parts;
+            self.pairs.body_poses.parts[k] = parts;
         }
         Ok(())
     }
@@ -418,12 +418,12 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # let [p, q] = [[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [1.0, 0.1, 0.0, 0.0, 0.0, 0.6, 0.8]];
     /// let first = checker.clearance(&p)?;
     /// checker.clearance(&q)?;
-    /// checker.forget();
+    /// checker.reset();
     /// assert_eq!(checker.clearance(&p)?, first);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn forget(&mut self) {
-        self.pairs.forget();
+    pub fn reset(&mut self) {
+        self.pairs.reset();
         self.hits.clear();
         self.range_bodies.clear();
         self.reach = self.pairs.robot_radius;
@@ -437,16 +437,16 @@ impl<C: ConfigurationSpace> Checker<C> {
         any: bool,
     ) -> Result<Verdict, PlanError> {
         self.work.segments += 1;
-        let mut stretches = core::mem::take(&mut self.stretches);
-        let found = self.gather(segment, &mut stretches).and_then(|()| {
+        let mut pair_intervals = core::mem::take(&mut self.pair_intervals);
+        let found = self.gather(segment, &mut pair_intervals).and_then(|()| {
             if any {
                 // Any contact decides, so recent collisions come first.
                 let recent = &self.hits[..self.hits.len().min(HITS_FIRST)];
-                stretches.sort_by_key(|s| !recent.contains(&s.pair));
+                pair_intervals.sort_by_key(|s| !recent.contains(&s.pair));
             }
-            self.judge(segment, ends, &stretches, any)
+            self.judge(segment, ends, &pair_intervals, any)
         });
-        self.stretches = stretches;
+        self.pair_intervals = pair_intervals;
         if let Ok(Verdict::Free { .. }) = found {
             self.work.free += 1;
         }
@@ -454,8 +454,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Collects the pairs whose swept boxes overlap, with their times; the earliest first.
-    fn gather(&mut self, segment: &C::Segment, stretches: &mut Vec<Stretch>) -> Result<(), PlanError> {
-        stretches.clear();
+    fn gather(&mut self, segment: &C::Segment, pair_intervals: &mut Vec<PairInterval>) -> Result<(), PlanError> {
+        pair_intervals.clear();
         let parts = self.parts(segment);
         let longest = 1.0 / f64::from(parts);
         let kept = self.pairs.own.values().map(|&pair| self.pairs.all[pair].kept);
@@ -471,10 +471,10 @@ impl<C: ConfigurationSpace> Checker<C> {
             tube + spread.unwrap_or(f64::INFINITY)
         });
         for mover in 0..self.pairs.mover_balls.len() {
-            self.pairs.near_along(mover, &self.sweep, stretches)?;
+            self.pairs.near_along(mover, &self.sweep, pair_intervals)?;
         }
         let pairs = &self.pairs;
-        stretches.extend(pairs.own.iter().filter_map(|(&(a, b), &pair)| {
+        pair_intervals.extend(pairs.own.iter().filter_map(|(&(a, b), &pair)| {
             let near = self.sweep.overlap(a, b, kept)?;
             // A pair that is in contact at the start is followed until the end.
             let [from, until] = if self.start_contact_margin.is_none() {
@@ -483,14 +483,14 @@ impl<C: ConfigurationSpace> Checker<C> {
                 [0.0, 1.0]
             };
             let key = pairs.all[pair].key;
-            Some(Stretch { pair, key, from, until })
+            Some(PairInterval { pair, key, from, until })
         }));
         if longest < 1.0 && self.start_contact_margin.is_none() {
-            cut(stretches, longest);
+            cut(pair_intervals, longest);
         }
-        cut_at_knots(stretches, &self.pairs);
-        stretches.sort_unstable_by(|x, y| x.from.total_cmp(&y.from).then(x.key.cmp(&y.key)));
-        self.work.pairs += stretches.len() as u64;
+        cut_at_knots(pair_intervals, &self.pairs);
+        pair_intervals.sort_unstable_by(|x, y| x.from.total_cmp(&y.from).then(x.key.cmp(&y.key)));
+        self.work.pairs += pair_intervals.len() as u64;
         Ok(())
     }
 
@@ -499,21 +499,21 @@ impl<C: ConfigurationSpace> Checker<C> {
         &mut self,
         segment: &C::Segment,
         ends: Option<[&[f64]; 2]>,
-        stretches: &[Stretch],
+        pair_intervals: &[PairInterval],
         any: bool,
     ) -> Result<Verdict, PlanError> {
         let clearance = self.pairs.least_kept;
         let mut start_contacts = Vec::new();
         let (mut blocked, mut until) = (None, 1.0);
-        for stretch in stretches {
-            if stretch.from > until {
+        for pair_interval in pair_intervals {
+            if pair_interval.from > until {
                 break;
             }
-            let (k, end) = (stretch.pair, stretch.until.smaller(until));
-            let is_start = stretch.from == 0.0 && !self.is_moving(k);
+            let (k, end) = (pair_interval.pair, pair_interval.until.smaller(until));
+            let is_start = pair_interval.from == 0.0 && !self.is_moving(k);
             let start_contact = self.start_contact_margin.filter(|_| is_start);
-            let kept = self.kept_along(k, segment, &(stretch.from..stretch.until));
-            let mut interval = stretch.from..end;
+            let kept = self.kept_along(k, segment, &(pair_interval.from..pair_interval.until));
+            let mut interval = pair_interval.from..end;
             if start_contact.is_none() {
                 if self.apart_along(k, ends, kept) {
                     continue;
@@ -614,9 +614,9 @@ impl<C: ConfigurationSpace> Checker<C> {
         start_contact: Option<f64>,
         trail: Option<&mut Vec<Certificate>>,
     ) -> Result<Cast, PlanError> {
-        let (tracked, places) = self.pairs.tracked(index);
+        let (tracked, body_poses) = self.pairs.tracked(index);
         // Certificates must be in the world frame; other results may be in any frame.
-        let (motion, partner) = motions(segment, places, tracked.pair, interval.start, trail.is_some());
+        let (motion, partner) = motions(segment, body_poses, tracked.pair, interval.start, trail.is_some());
         let [a, b] = self.cell.shapes(tracked.pair);
         let mut pair = tracked.tracker.pair(a, b);
         let tolerance = contact_tolerance(&pair);
@@ -648,9 +648,9 @@ impl<C: ConfigurationSpace> Checker<C> {
         time: f64,
         kept: f64,
     ) -> Result<Option<Measurement>, PlanError> {
-        let (tracked, places) = self.pairs.tracked(index);
+        let (tracked, body_poses) = self.pairs.tracked(index);
         let pair = tracked.pair;
-        let [pose_a, pose_b] = [pair.a, pair.b].map(|part| pose_of(segment, places, part, time));
+        let [pose_a, pose_b] = [pair.a, pair.b].map(|part| pose_of(segment, body_poses, part, time));
         let relative = RelativePose::new(&pose_a, &pose_b)?;
         let [a, b] = self.cell.shapes(pair);
         let mut pair = tracked.tracker.pair(a, b);
@@ -659,8 +659,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     fn in_world(&self, segment: &C::Segment, pair: CellPair, time: f64, points: [Point3<f64>; 2]) -> [Point3<f64>; 2] {
-        let places = &self.pairs.places;
-        [(pair.a, points[0]), (pair.b, points[1])].map(|(part, point)| pose_of(segment, places, part, time) * point)
+        let body_poses = &self.pairs.body_poses;
+        [(pair.a, points[0]), (pair.b, points[1])].map(|(part, point)| pose_of(segment, body_poses, part, time) * point)
     }
 }
 
@@ -674,35 +674,35 @@ pub(crate) fn contact_tolerance(pair: &MovingPair<'_>) -> Tolerance {
 /// last link that carries both.
 pub(crate) fn motions<'a, M: SegmentMotion>(
     segment: &'a M,
-    places: &'a Places,
+    body_poses: &'a BodyPoses,
     pair: CellPair,
     start: f64,
     in_world: bool,
 ) -> (CarriedMotion<'a, M>, PartMotion<'a, M>) {
-    let [body, other] = [pair.a, pair.b].map(|id| places.mover(id));
+    let [body, other] = [pair.a, pair.b].map(|id| body_poses.mover(id));
     let body = body.unwrap_or_default();
     let stem = match other {
-        Some(other) if !in_world => segment.stem(places.carrier(body).0, places.carrier(other).0),
+        Some(other) if !in_world => segment.stem(body_poses.carrier(body).0, body_poses.carrier(other).0),
         _ => 0,
     };
     let partner = match (other, pair.b) {
-        (None, CellBody::Obstacle(k)) => match places.part(k, start) {
+        (None, CellBody::Obstacle(k)) => match body_poses.part(k, start) {
             Some(part) => PartMotion::Moving(part),
-            None => PartMotion::Obstacle(&places.resting[k]),
+            None => PartMotion::Obstacle(&body_poses.resting[k]),
         },
-        _ => PartMotion::Robot(moving(segment, places, other.unwrap_or_default(), stem)),
+        _ => PartMotion::Robot(moving(segment, body_poses, other.unwrap_or_default(), stem)),
     };
-    (moving(segment, places, body, stem), partner)
+    (moving(segment, body_poses, body, stem), partner)
 }
 
 /// Returns the pose of a body at a time.
-fn pose_of<M: SegmentMotion>(segment: &M, places: &Places, part: CellBody, time: f64) -> Isometry3<f64> {
-    match (part, places.mover(part)) {
-        (CellBody::Obstacle(k), _) => match places.part(k, time) {
+fn pose_of<M: SegmentMotion>(segment: &M, body_poses: &BodyPoses, part: CellBody, time: f64) -> Isometry3<f64> {
+    match (part, body_poses.mover(part)) {
+        (CellBody::Obstacle(k), _) => match body_poses.part(k, time) {
             Some(part) => part.pose(time),
-            None => places.obstacle_poses[k],
+            None => body_poses.obstacle_poses[k],
         },
-        (_, mover) => moving(segment, places, mover.unwrap_or_default(), 0).pose(time),
+        (_, mover) => moving(segment, body_poses, mover.unwrap_or_default(), 0).pose(time),
     }
 }
 
@@ -713,8 +713,13 @@ fn parts_of_time(count: u32) -> impl Iterator<Item = Range<f64>> {
 }
 
 /// Returns the motion of a body that moves with the robot, relative to a stem.
-fn moving<'a, M: SegmentMotion>(segment: &'a M, places: &'a Places, mover: usize, stem: usize) -> CarriedMotion<'a, M> {
-    let (body, carried) = places.carrier(mover);
+fn moving<'a, M: SegmentMotion>(
+    segment: &'a M,
+    body_poses: &'a BodyPoses,
+    mover: usize,
+    stem: usize,
+) -> CarriedMotion<'a, M> {
+    let (body, carried) = body_poses.carrier(mover);
     CarriedMotion {
         motion: BodyMotion { segment, body, stem },
         carried,

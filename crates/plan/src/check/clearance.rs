@@ -341,7 +341,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// overlap. [`place_balls`](Self::place_balls) comes first.
     pub(crate) fn ball_gap(&self, index: usize) -> f64 {
         let pair = self.pairs.all[index].pair;
-        let [(p, r), (q, s)] = [pair.a, pair.b].map(|part| match (part, self.pairs.places.mover(part)) {
+        let [(p, r), (q, s)] = [pair.a, pair.b].map(|part| match (part, self.pairs.body_poses.mover(part)) {
             (CellBody::Obstacle(k), _) => self.pairs.placed(k).ball,
             (_, mover) => self.placed_balls[mover.unwrap_or_default()],
         });
@@ -354,7 +354,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// The root of the sum of the squared gaps is at most the distance of the bodies.
     pub(crate) fn boxes_apart(&mut self, index: usize, poses: &[Isometry3<f64>], distance: f64) -> bool {
         let pair = self.pairs.all[index].pair;
-        let [a, b] = [pair.a, pair.b].map(|part| match (part, self.pairs.places.mover(part)) {
+        let [a, b] = [pair.a, pair.b].map(|part| match (part, self.pairs.body_poses.mover(part)) {
             (CellBody::Obstacle(k), _) => self.pairs.placed(k).own_box,
             (_, mover) => {
                 let mover = mover.unwrap_or_default();
@@ -375,9 +375,9 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Measures one pair without its gradient.
     fn measure(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<NearPair, PlanError> {
         self.work.measures += 1;
-        let (tracked, places) = self.pairs.tracked(index);
+        let (tracked, body_poses) = self.pairs.tracked(index);
         let pair = tracked.pair;
-        let [pose_a, pose_b] = [pair.a, pair.b].map(|part| *places.pose(part, poses));
+        let [pose_a, pose_b] = [pair.a, pair.b].map(|part| *body_poses.pose(part, poses));
         let relative = RelativePose::new(&pose_a, &pose_b)?;
         let [a, b] = self.cell.shapes(pair);
         let outcome = tracked.tracker.closest(a, b, &relative);
@@ -400,10 +400,10 @@ impl<C: ConfigurationSpace> Checker<C> {
     fn slope(&self, near: &mut NearPair, q: &[f64]) {
         let mut gradient = std::vec![0.0; self.space.degrees_of_freedom()];
         let mut part = gradient.clone();
-        let places = &self.pairs.places;
+        let body_poses = &self.pairs.body_poses;
         for (k, (of, sign)) in [(near.pair.a, -1.0), (near.pair.b, 1.0)].into_iter().enumerate() {
-            if let Some(mover) = places.mover(of) {
-                let body = places.carrier(mover).0;
+            if let Some(mover) = body_poses.mover(of) {
+                let body = body_poses.carrier(mover).0;
                 self.space
                     .gradient(q, body, &near.witnesses[k], &near.normal, &mut part);
                 gradient.iter_mut().zip(&part).for_each(|(g, p)| *g += sign * p);

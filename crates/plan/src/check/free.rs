@@ -90,9 +90,9 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns whether a pair may be within a distance; `false` is proven.
     fn is_within(&mut self, index: usize, poses: &[Isometry3<f64>], distance: f64) -> Result<bool, PlanError> {
-        let (tracked, places) = self.pairs.tracked(index);
+        let (tracked, body_poses) = self.pairs.tracked(index);
         let pair = tracked.pair;
-        let relative = RelativePose::new(places.pose(pair.a, poses), places.pose(pair.b, poses))?;
+        let relative = RelativePose::new(body_poses.pose(pair.a, poses), body_poses.pose(pair.b, poses))?;
         let [a, b] = self.cell.shapes(pair);
         Ok(tracked.tracker.within(a, b, &relative, distance))
     }
@@ -119,7 +119,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.work.configurations += 1;
         let mut poses = core::mem::take(&mut self.poses);
         self.space.place(configuration, &mut poses);
-        self.pairs.places.carry(&mut poses);
+        self.pairs.body_poses.carry(&mut poses);
         let found = ask(self, &poses);
         self.poses = poses;
         found

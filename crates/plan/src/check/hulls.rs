@@ -46,8 +46,8 @@ impl<C: ConfigurationSpace> Checker<C> {
             return Ok(None);
         };
         self.work.hulls += 1;
-        let (tracked, places) = self.pairs.tracked(index);
-        let relative = RelativePose::new(places.pose(pair.a, poses), places.pose(pair.b, poses))?;
+        let (tracked, body_poses) = self.pairs.tracked(index);
+        let relative = RelativePose::new(body_poses.pose(pair.a, poses), body_poses.pose(pair.b, poses))?;
         let tracker = tracked.hull_tracker.get_or_insert_default();
         Ok(Some((tracker, hulls, relative)))
     }
@@ -66,9 +66,9 @@ impl<C: ConfigurationSpace> Checker<C> {
         let Some(hulls) = self.cell.hulls(pair) else {
             return Ok(Some(interval.start));
         };
-        let (tracked, places) = self.pairs.tracked(index);
+        let (tracked, body_poses) = self.pairs.tracked(index);
         let tracker = tracked.hull_tracker.get_or_insert_default();
-        let (motion, partner) = motions(segment, places, pair, interval.start, false);
+        let (motion, partner) = motions(segment, body_poses, pair, interval.start, false);
         let mut hulls = tracker.pair(hulls[0], hulls[1]);
         let tolerance = contact_tolerance(&hulls);
         let found = cast_within(&mut hulls, &motion, &partner, interval.clone(), tolerance, distance)?;

@@ -43,44 +43,44 @@ pub(crate) type PairKey = (bool, CellPair);
 
 /// A pair, and an interval of a segment in which the swept boxes of both overlap.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stretch {
+pub(crate) struct PairInterval {
     pub(crate) pair: usize,
     pub(crate) key: PairKey,
     pub(crate) from: f64,
     pub(crate) until: f64,
 }
 
-/// Cuts stretches at the multiples of a span.
-pub(crate) fn cut(stretches: &mut Vec<Stretch>, span: f64) {
-    for k in 0..stretches.len() {
-        let Stretch { from, until, .. } = stretches[k];
+/// Cuts intervals at the multiples of a span.
+pub(crate) fn cut(pair_intervals: &mut Vec<PairInterval>, span: f64) {
+    for k in 0..pair_intervals.len() {
+        let PairInterval { from, until, .. } = pair_intervals[k];
         let mut at = from + span - from % span;
-        stretches[k].until = until.smaller(at);
+        pair_intervals[k].until = until.smaller(at);
         while at < until {
             let next = at + span;
-            stretches.push(Stretch {
+            pair_intervals.push(PairInterval {
                 from: at,
                 until: until.smaller(next),
-                ..stretches[k]
+                ..pair_intervals[k]
             });
             at = next;
         }
     }
 }
 
-/// Cuts stretches of moving obstacles where their motion changes.
-pub(crate) fn cut_at_knots(stretches: &mut Vec<Stretch>, pairs: &Pairs) {
-    for k in 0..stretches.len() {
-        let Stretch { pair, from, until, .. } = stretches[k];
+/// Cuts intervals of moving obstacles where their motion changes.
+pub(crate) fn cut_at_knots(pair_intervals: &mut Vec<PairInterval>, pairs: &Pairs) {
+    for k in 0..pair_intervals.len() {
+        let PairInterval { pair, from, until, .. } = pair_intervals[k];
         let obstacle = pairs.all[pair].pair.b;
         let mut last = k;
-        for at in pairs.places.knots(obstacle, from, until) {
-            stretches[last].until = at;
-            last = stretches.len();
-            stretches.push(Stretch {
+        for at in pairs.body_poses.knots(obstacle, from, until) {
+            pair_intervals[last].until = at;
+            last = pair_intervals.len();
+            pair_intervals.push(PairInterval {
                 from: at,
                 until,
-                ..stretches[k]
+                ..pair_intervals[k]
             });
         }
     }
@@ -109,7 +109,7 @@ pub(crate) struct Pairs {
     pub(crate) near: Vec<usize>,
     /// The obstacles at their present poses.
     placed: Vec<PlacedObstacle>,
-    pub(crate) places: Places,
+    pub(crate) body_poses: BodyPoses,
     /// A ball around each mover and each obstacle, in the frame of the shape; `None` for a mover
     /// without geometry.
     pub(crate) mover_balls: Vec<Option<(Point3<f64>, f64)>>,
@@ -125,7 +125,7 @@ pub(crate) struct Pairs {
     pub(crate) most_kept: Vec<f64>,
     /// Lower bound of what a pair must keep.
     pub(crate) least_kept: f64,
-    /// Number of calls of `forget`.
+    /// Number of calls of `reset`.
     forgotten: u64,
     /// Number of pairs that were made, and of trackers with them.
     pub(crate) made: u64,
@@ -138,7 +138,7 @@ pub(crate) struct PlacedObstacle {
 }
 
 /// Where the bodies are.
-pub(crate) struct Places {
+pub(crate) struct BodyPoses {
     /// Number of bodies of the space.
     pub(crate) bodies: usize,
     /// The objects that are carried; those that were detached are at the first body.
@@ -151,7 +151,7 @@ pub(crate) struct Places {
     pub(crate) parts: Vec<Vec<PosePart>>,
 }
 
-impl Places {
+impl BodyPoses {
     /// Returns the number of a body that moves with the robot.
     pub(crate) fn mover(&self, id: CellBody) -> Option<usize> {
         match id {
@@ -233,7 +233,7 @@ impl Pairs {
             found: Vec::new(),
             near: Vec::new(),
             placed: Vec::new(),
-            places: Places {
+            body_poses: BodyPoses {
                 bodies,
                 carried: Vec::new(),
                 resting: Vec::new(),
@@ -263,8 +263,8 @@ impl Pairs {
 
     /// Sets, adds or removes an attached object; its pairs are not measured until they are set.
     pub(crate) fn set_attached(&mut self, cell: &Cell, index: usize) {
-        while self.places.carried.len() <= index {
-            self.places.carried.push(Carried {
+        while self.body_poses.carried.len() <= index {
+            self.body_poses.carried.push(Carried {
                 body: 0,
                 pose: Isometry3::identity(),
                 middle: Point3::origin(),
@@ -275,13 +275,13 @@ impl Pairs {
                 row.push(NONE);
             }
         }
-        let mover = self.places.bodies + index;
+        let mover = self.body_poses.bodies + index;
         self.mover_balls[mover] = None;
         if let Some(object) = &cell.attached[index] {
             let ball = object.geometry.bounding_ball();
             self.mover_balls[mover] = Some(ball);
             self.mover_own_boxes[mover] = OwnBox::of(&object.geometry);
-            self.places.carried[index] = Carried {
+            self.body_poses.carried[index] = Carried {
                 body: cell.body_of(object.frame),
                 pose: object.pose,
                 middle: ball.0,
@@ -295,11 +295,11 @@ impl Pairs {
     pub(crate) fn set_obstacle(&mut self, cell: &Cell, index: usize) -> Result<(), PlanError> {
         while self.box_ids.len() <= index {
             self.box_ids.push(None);
-            self.places
+            self.body_poses
                 .resting
                 .push(Steady::new(&Isometry3::identity(), Velocity::default())?);
-            self.places.obstacle_poses.push(Isometry3::identity());
-            self.places.parts.push(Vec::new());
+            self.body_poses.obstacle_poses.push(Isometry3::identity());
+            self.body_poses.parts.push(Vec::new());
             self.obstacle_boxes.push(Aabb::new(Point3::origin(), Point3::origin()));
             self.obstacle_balls.push((Point3::origin(), 0.0));
             self.obstacle_own_boxes.push(OwnBox::NONE);
@@ -309,7 +309,7 @@ impl Pairs {
             });
             self.rows.push(std::vec![NONE; self.mover_balls.len()]);
         }
-        self.places.parts[index].clear();
+        self.body_poses.parts[index].clear();
         let Some((_, shape, pose)) = &cell.obstacles[index] else {
             if let Some(id) = self.box_ids[index].take() {
                 self.boxes.remove(id)?;
@@ -338,7 +338,7 @@ impl Pairs {
                 self.box_ids[index] = Some(id);
             }
         }
-        self.places.resting[index] = steady;
+        self.body_poses.resting[index] = steady;
         self.obstacle_boxes[index] = aabb;
         self.obstacle_balls[index] = shape.bounding_ball();
         self.obstacle_own_boxes[index] = OwnBox::of(shape);
@@ -348,7 +348,7 @@ impl Pairs {
 
     /// Puts an obstacle at a pose.
     pub(crate) fn place_obstacle(&mut self, index: usize, pose: &Isometry3<f64>) {
-        self.places.obstacle_poses[index] = *pose;
+        self.body_poses.obstacle_poses[index] = *pose;
         self.placed[index] = PlacedObstacle {
             ball: placed_ball(self.obstacle_balls[index], pose),
             own_box: PlacedBox::new(&self.obstacle_own_boxes[index], pose),
@@ -358,7 +358,7 @@ impl Pairs {
     /// Puts obstacles that move at their poses at a time of the present curve.
     pub(crate) fn place_along(&mut self, time: f64) {
         for k in 0..self.placed.len() {
-            if let Some(pose) = self.places.part(k, time).map(|part| part.pose(time)) {
+            if let Some(pose) = self.body_poses.part(k, time).map(|part| part.pose(time)) {
                 self.place_obstacle(k, &pose);
             }
         }
@@ -378,7 +378,7 @@ impl Pairs {
     pub(crate) fn take_margins(&mut self, cell: &Cell) {
         self.is_uniform = cell.paddings.is_empty() && cell.margins.is_empty();
         let (most, least) = cell.kept_bounds();
-        let movers = (0..self.mover_balls.len()).map(|k| match k.checked_sub(self.places.bodies) {
+        let movers = (0..self.mover_balls.len()).map(|k| match k.checked_sub(self.body_poses.bodies) {
             Some(k) => CellBody::Attached(k),
             None => CellBody::Robot(k),
         });
@@ -395,10 +395,10 @@ impl Pairs {
 /// Pairs.
 impl Pairs {
     fn entry(&self, pair: CellPair) -> Option<usize> {
-        let a = self.places.mover(pair.a)?;
+        let a = self.body_poses.mover(pair.a)?;
         match pair.b {
             CellBody::Obstacle(k) => self.of(a, k),
-            _ => self.own.get(&(a, self.places.mover(pair.b)?)).copied(),
+            _ => self.own.get(&(a, self.body_poses.mover(pair.b)?)).copied(),
         }
     }
 
@@ -443,14 +443,14 @@ impl Pairs {
                 })
             }
         };
-        let a = self.places.mover(pair.a)?;
+        let a = self.body_poses.mover(pair.a)?;
         match (pair.b, index) {
             (CellBody::Obstacle(k), index) => self.rows[k][a] = index.map_or(NONE, |index| index as u32),
             (b, Ok(index)) => {
-                self.own.insert((a, self.places.mover(b)?), index);
+                self.own.insert((a, self.body_poses.mover(b)?), index);
             }
             (b, Err(_)) => {
-                self.own.remove(&(a, self.places.mover(b)?));
+                self.own.remove(&(a, self.body_poses.mover(b)?));
             }
         }
         index.err()
@@ -472,7 +472,7 @@ impl Pairs {
 
     /// Returns the ball around a body, in the frame of its shape.
     pub(crate) fn ball(&self, id: CellBody) -> (Point3<f64>, f64) {
-        let ball = match (id, self.places.mover(id)) {
+        let ball = match (id, self.body_poses.mover(id)) {
             (CellBody::Obstacle(k), _) => Some(self.obstacle_balls[k]),
             (_, mover) => mover.and_then(|k| self.mover_balls[k]),
         };
@@ -505,18 +505,18 @@ impl Pairs {
     }
 
     /// Drops the cached state of all trackers; each is reset at its next query.
-    pub(crate) fn forget(&mut self) {
+    pub(crate) fn reset(&mut self) {
         self.forgotten += 1;
     }
 
     /// Returns a pair with its tracker, reset if needed, and where the bodies are.
-    pub(crate) fn tracked(&mut self, index: usize) -> (&mut TrackedPair, &Places) {
+    pub(crate) fn tracked(&mut self, index: usize) -> (&mut TrackedPair, &BodyPoses) {
         let tracked = &mut self.all[index];
         if core::mem::replace(&mut tracked.begun, self.forgotten) != self.forgotten {
             tracked.tracker.reset();
             tracked.hull_tracker = None;
         }
-        (tracked, &self.places)
+        (tracked, &self.body_poses)
     }
 
     /// Returns the index of the pair of a mover and an obstacle, if it is measured.

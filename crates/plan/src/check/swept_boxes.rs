@@ -15,7 +15,7 @@ use std::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use crate::check::body_boxes::{GROWN, PlacedBox, around, kept_around, placed_ball};
-use crate::check::pairs::{Pairs, Stretch, TrackedPair};
+use crate::check::pairs::{PairInterval, Pairs, TrackedPair};
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::motion::space::{BodyBall, SegmentMotion};
@@ -64,9 +64,9 @@ impl Sweep {
         least: u32,
         spread: impl Fn(BodyBall, f64, f64) -> f64,
     ) {
-        let (places, movers) = (&pairs.places, pairs.mover_balls.len());
+        let (body_poses, movers) = (&pairs.body_poses, pairs.mover_balls.len());
         let body_ball = |mover: usize| {
-            let (body, carried) = places.carrier(mover);
+            let (body, carried) = body_poses.carrier(mover);
             pairs.mover_balls[mover].map(|ball| BodyBall::new(ball, body, carried))
         };
         let deviation = |ball: &BodyBall, parts: u32| {
@@ -84,7 +84,7 @@ impl Sweep {
         self.times.clear();
         self.times.extend((0..=self.parts).map(|k| f64::from(k) * span));
         self.poses.clear();
-        segment.poses(places.bodies, &self.times, &mut self.poses);
+        segment.poses(body_poses.bodies, &self.times, &mut self.poses);
         self.courses.resize_with(movers, Course::default);
         for (mover, course) in self.courses.iter_mut().enumerate() {
             course.placed.clear();
@@ -93,14 +93,14 @@ impl Sweep {
                 continue;
             };
             course.deviation = deviation(&of_body, self.parts);
-            let carried = places.carrier(mover).1;
+            let carried = body_poses.carrier(mover).1;
             if let Some(carried) = carried {
                 let lengths = self.poses.iter().map(|pose| pose.translation.vector.abs().sum());
                 let own = carried.pose.translation.vector.abs().sum() + ball.0.coords.abs().sum() + ball.1;
                 course.deviation += 4.0 * ATTACHED * (own + lengths.fold(0.0, f64::larger));
             }
             let mut last: Option<(f64, Aabb)> = None;
-            for (poses, &time) in self.poses.chunks(places.bodies).zip(&self.times) {
+            for (poses, &time) in self.poses.chunks(body_poses.bodies).zip(&self.times) {
                 let pose = poses[of_body.body];
                 let pose = carried.map_or(pose, |carried| carried.placed(&pose));
                 let placed = PlacedBox::new(pairs.mover_own_box(mover), &pose);
@@ -147,7 +147,7 @@ impl Sweep {
         interval: &Range<f64>,
         kept: f64,
     ) -> Option<Range<f64>> {
-        let course = |id| pairs.places.mover(id).map(|mover| &self.courses[mover]);
+        let course = |id| pairs.body_poses.mover(id).map(|mover| &self.courses[mover]);
         let resting = match pair.b {
             CellBody::Obstacle(k) => Some(&pairs.placed(k).own_box),
             _ => None,
@@ -218,7 +218,7 @@ impl Pairs {
         &mut self,
         mover: usize,
         sweep: &Sweep,
-        stretches: &mut Vec<Stretch>,
+        pair_intervals: &mut Vec<PairInterval>,
     ) -> Result<(), PlanError> {
         let swept = sweep.swept(mover);
         let Some(whole) = swept.iter().copied().reduce(|all, part| all.united(&part)) else {
@@ -240,9 +240,9 @@ impl Pairs {
             let (mut from, mut was_near) = (0.0, false);
             for (part, aabb) in swept.iter().enumerate() {
                 let (is_near, until) = (aabb.overlaps(&around), sweep.end(part));
-                match stretches.last_mut() {
+                match pair_intervals.last_mut() {
                     Some(last) if is_near && was_near => last.until = until,
-                    _ if is_near => stretches.push(Stretch { pair, key, from, until }),
+                    _ if is_near => pair_intervals.push(PairInterval { pair, key, from, until }),
                     _ => {}
                 }
                 (from, was_near) = (until, is_near);

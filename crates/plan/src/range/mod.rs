@@ -271,11 +271,11 @@ impl<C: ConfigurationSpace> Checker<C> {
         let bodies = [pair.a, pair.b].map(|id| &self.range_bodies[&id]);
         let kept = self.cell.required_distance(pair).distance;
         let fingerprint = fingerprint_of(shapes, bodies, &chain, kept);
-        let (space, places) = (&self.space, &self.pairs.places);
+        let (space, body_poses) = (&self.space, &self.pairs.body_poses);
         let place = |q: &[f64], poses: &mut Vec<Isometry3<f64>>| {
             space.place(q, poses);
-            places.carry(poses);
-            [pair.a, pair.b].map(|id| *places.pose(id, poses))
+            body_poses.carry(poses);
+            [pair.a, pair.b].map(|id| *body_poses.pose(id, poses))
         };
         let search = Search {
             shapes,
@@ -311,11 +311,11 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     fn chain_end(&self, id: CellBody, reach: f64) -> Result<ChainEnd, PlanError> {
-        let places = &self.pairs.places;
-        let (path, pose) = match (id, places.mover(id)) {
-            (CellBody::Obstacle(k), _) => (None, places.obstacle_poses[k]),
+        let body_poses = &self.pairs.body_poses;
+        let (path, pose) = match (id, body_poses.mover(id)) {
+            (CellBody::Obstacle(k), _) => (None, body_poses.obstacle_poses[k]),
             (_, mover) => {
-                let (body, carried) = places.carrier(mover.unwrap_or_default());
+                let (body, carried) = body_poses.carrier(mover.unwrap_or_default());
                 let path = self.space.joint_path(body).ok_or(PlanError::WithoutJoints(id))?;
                 (
                     Some(path),

@@ -54,12 +54,12 @@ impl<C: ConfigurationSpace> Checker<C> {
         call: impl FnOnce(&mut PairProver<'_>) -> Result<R, PlanError>,
     ) -> Result<R, PlanError> {
         self.prepare_pair(pair)?;
-        let (space, places) = (&self.space, &self.pairs.places);
+        let (space, body_poses) = (&self.space, &self.pairs.body_poses);
         let chain = self.chain(pair, low, high)?;
         let place: &Place<'_> = &|q: &[f64], poses: &mut Vec<Isometry3<f64>>| {
             space.place(q, poses);
-            places.carry(poses);
-            [pair.a, pair.b].map(|id| *places.pose(id, poses))
+            body_poses.carry(poses);
+            [pair.a, pair.b].map(|id| *body_poses.pose(id, poses))
         };
         let shapes = self.cell.shapes(pair);
         let bodies = [pair.a, pair.b].map(|id| &self.range_bodies[&id]);

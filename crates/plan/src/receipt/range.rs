@@ -15,7 +15,7 @@ use super::error::ReceiptError;
 use super::groups::{Group, Groups, direction};
 use super::number::{hex, hexes, rounded};
 use super::scene::{Ignored, Scene, Way};
-use super::segment::{EXCLUDED, Stated};
+use super::segment::{EXCLUDED, ReceiptCell};
 use super::stated::{Ellipsoid, half};
 use super::{Claim, Leg, Receipt};
 use crate::check::checker::Checker;
@@ -83,7 +83,7 @@ impl Receipt {
         let [low, high] = [0, 1].map(|k| range.iter().map(|ends| ends[k]).collect::<Vec<f64>>());
         checker.cell.check_at_rest()?;
         let segment = checker.segment(&low, &high)?;
-        let mut stated = Stated::new(checker, &segment, None, 1)?;
+        let mut stated = ReceiptCell::new(checker, &segment, None, 1)?;
         let known: BTreeMap<CellPair, &RangeAnswer> = answers.iter().map(|answer| (answer.pair, answer)).collect();
         let excluded = |ignored: &Ignored| ignored.why == EXCLUDED;
         let (others, rigid): (Vec<_>, Vec<_>) = core::mem::take(&mut stated.scene.ignored)

@@ -26,7 +26,7 @@ const TWO_OBSTACLES: &str = "the bodies are obstacles";
 const LEAVING: &str = "in contact at the start, which was accepted";
 
 /// The bodies of a cell in a receipt.
-pub(super) struct Stated<'a> {
+pub(super) struct ReceiptCell<'a> {
     pub(super) scene: Scene,
     obstacles: Obstacles<'a>,
     ids: Vec<CellBody>,
@@ -120,7 +120,7 @@ impl Receipt {
         };
         let mut receipt = Err(ReceiptError::Nothing);
         for fineness in 0..FINENESS {
-            let mut stated = match Stated::of_motion(checker, motion, fineness) {
+            let mut stated = match ReceiptCell::of_motion(checker, motion, fineness) {
                 // The evidence of the last fineness was not enough, and the next has too many triangles.
                 Err(ReceiptError::Parts { .. } | ReceiptError::Vertices { .. }) if fineness > 0 => break,
                 stated => stated?,
@@ -147,7 +147,7 @@ impl Receipt {
         checker: &Checker<C>,
         motion: &JointMotion,
         found: &Certified,
-        stated: &Stated<'_>,
+        stated: &ReceiptCell<'_>,
         until: f64,
         blocked: Option<([f64; 2], CellPair)>,
     ) -> Result<Self, ReceiptError> {
@@ -209,7 +209,7 @@ impl Receipt {
     /// # Errors
     /// Returns an error as [`certified`](Self::certified) does, but for verdicts.
     pub fn scene<C: ConfigurationSpace>(checker: &Checker<C>, motion: &JointMotion) -> Result<Self, ReceiptError> {
-        let stated = Stated::of_motion(checker, motion, 0)?;
+        let stated = ReceiptCell::of_motion(checker, motion, 0)?;
         let legs = stated.legs(motion);
         stated.check_legs(legs.len())?;
         let legs = legs.into_iter().map(|(_, _, leg)| leg);
@@ -228,7 +228,7 @@ impl Leg {
     }
 }
 
-impl<'a> Stated<'a> {
+impl<'a> ReceiptCell<'a> {
     /// Returns the bodies along a segment, or along a whole motion between two times on the clock, whose
     /// configurations have so many coordinates.
     pub(super) fn new<C: ConfigurationSpace>(

@@ -21,7 +21,7 @@ use lin_canny::Progress;
 /// Cosine beyond which gradients count as opposite.
 const OPPOSITE: f64 = 0.25;
 
-/// Fraction of the path to a contact that a feeler leaves out.
+/// Fraction of the path to a contact that an extension leaves out.
 const SHORT: f64 = 1.0 / 64.0;
 
 /// Distance, in units of the clearance, within which a configuration counts as known.
@@ -30,11 +30,11 @@ const KNOWN: f64 = 1.0;
 /// Maximum depth of slices within slices.
 const DEPTH: usize = 1;
 
-/// Number of random nodes of which the nearest starts a feeler or is its link.
+/// Number of random nodes of which the nearest starts an extension or is its link.
 ///
-/// There is one feeler per slice. Average times over 60 seeds of a plank of 0.2 through a hole:
+/// There is one extension per slice. Average times over 60 seeds of a plank of 0.2 through a hole:
 ///
-/// | feelers per slice | hole of 0.6 | hole of 0.4 | hole of 0.3 |
+/// | extensions per slice | hole of 0.6 | hole of 0.4 | hole of 0.3 |
 /// |---:|---:|---:|---:|
 /// | 16 | 0.20 s | 0.24 s | 0.53 s |
 /// | 4 | 0.11 s | 0.17 s | 0.30 s |
@@ -85,7 +85,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
     /// Distances of warm trackers differ by rounding, so that a slice would depend on earlier queries.
     /// It begins with new trackers.
     pub(crate) fn next_slice(&mut self) -> Result<(), PlanError> {
-        self.checker.forget();
+        self.checker.reset();
         let first = self.first_slices();
         if self.explored < first {
             let (node, coordinate) = match self.explored.checked_sub(first / 2) {
@@ -123,11 +123,11 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         Some(way.into_iter().map(|k| roadmap.nodes[k].clone()).collect())
     }
 
-    /// Starts a slice between two obstacles if a feeler finds such a configuration, otherwise at a
+    /// Starts a slice between two obstacles if an extension finds such a configuration, otherwise at a
     /// random configuration.
     fn random_slice(&mut self) -> Result<(), PlanError> {
         let outer = self.lengths.clone();
-        if let Some((node, coordinate)) = self.feeler()? {
+        if let Some((node, coordinate)) = self.extension()? {
             return self.explore(node, coordinate, &outer, 0);
         }
         if self.is_solved() {
@@ -165,7 +165,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
     /// Adds the configuration reached and tries to link it to another component. If it is between
     /// obstacles on opposite sides, where channels split and join, returns its node and the sweep
     /// coordinate along the channel.
-    fn feeler(&mut self) -> Result<Option<(usize, usize)>, PlanError> {
+    fn extension(&mut self) -> Result<Option<(usize, usize)>, PlanError> {
         let random = &mut self.random;
         let goal = self.checker.space.sample(&mut || random.uniform());
         let Some(node) = self.near_one(&goal, None) else {

@@ -43,7 +43,7 @@ impl PlanMethod {
 #[non_exhaustive]
 pub struct PlanOptions {
     /// Random seed (default 0). A new checker returns the same result for the same seed, and so
-    /// does any checker after [`Checker::forget`](crate::Checker::forget).
+    /// does any checker after [`Checker::reset`](crate::Checker::reset).
     pub seed: u64,
     /// Maximum number of random slices of the opportunistic planner (default 10,000).
     pub slices: u64,

@@ -1,4 +1,4 @@
-//! Promise: a checker whose world has changed answers as a new checker of that world, bit for bit after `forget`; objects
+//! Promise: a checker whose world has changed answers as a new checker of that world, bit for bit after `reset`; objects
 //! move with their links; every pair keeps its own margin.
 
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -174,8 +174,8 @@ fn judge(sequences: usize, changes: usize, seed: u64) {
             let mut new = Checker::new(arm(), checker.cell().clone()).expect("a world");
             let questions = if step % 8 == 0 { 9 } else { 4 };
             for question in 0..questions {
-                new.forget();
-                checker.forget();
+                new.reset();
+                checker.reset();
                 let expected = ask(&mut new, question, &q, &p);
                 assert_eq!(ask(&mut checker, question, &q, &p), expected, "{k} {step} {question}");
                 let told = ask(&mut warm, question, &q, &p);
@@ -187,7 +187,7 @@ fn judge(sequences: usize, changes: usize, seed: u64) {
             }
         }
     }
-    assert!(differing > 0 || sequences < 5, "nothing to forget");
+    assert!(differing > 0 || sequences < 5, "nothing to reset");
     assert!(free > sequences, "{free} free");
 }
 
@@ -593,7 +593,7 @@ fn a_batch_has_the_bits_of_new_checkers_on_any_number_of_threads() {
         assert_eq!(format!("{more:?}"), format!("{one:?}"));
     }
     for (row, q) in rows.iter().enumerate() {
-        checker.forget();
+        checker.reset();
         let near = checker.nearest(q, 0.2).expect("a configuration");
         assert_eq!(one.counts[row], near.len().min(3));
         for (k, n) in near.iter().take(3).enumerate() {
@@ -636,9 +636,9 @@ fn worlds_and_answers_are_stored() {
         let mut read = Checker::new(arm(), cell).expect("a world");
         let (q, p) = (sample(&mut rng), sample(&mut rng));
         for question in 0..4 {
-            checker.forget();
+            checker.reset();
             assert_eq!(ask(&mut read, question, &q, &p), ask(&mut checker, question, &q, &p));
-            read.forget();
+            read.reset();
         }
         let verdict = checker.verdict_of(&JointMotion::segment(&q, &p));
         let text = serde_json::to_string(&verdict).expect("a verdict");

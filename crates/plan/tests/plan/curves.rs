@@ -309,9 +309,9 @@ fn a_straight_segment_has_the_same_verdict_at_every_degree() {
     }
     // Degree 1 is the segment, bit for bit.
     let curve = bezier(&ends);
-    checker.forget();
+    checker.reset();
     let one = checker.verdict_of(&JointMotion::curve(&curve));
-    checker.forget();
+    checker.reset();
     assert_eq!(one, checker.verdict_of(&JointMotion::segment(&ends[0], &ends[1])));
 }
 
@@ -655,7 +655,7 @@ fn paths_and_splines_report_progress_and_stop() {
 }
 
 #[test]
-fn curves_have_the_same_bits_on_every_thread_and_after_forget() {
+fn curves_have_the_same_bits_on_every_thread_and_after_reset() {
     let ask = |checker: &mut Checker<JointTree>| -> Vec<String> {
         let mut rng = Rng::new(9);
         let each = (0..12).map(|k| {
@@ -663,9 +663,9 @@ fn curves_have_the_same_bits_on_every_thread_and_after_forget() {
             let to: Vec<f64> = from.iter().map(|x| x + rng.range(-1.0, 1.0)).collect();
             let points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
             let curve = bezier(&points);
-            checker.forget();
+            checker.reset();
             let verdict = checker.certify(&JointMotion::curve(&curve));
-            checker.forget();
+            checker.reset();
             format!(
                 "{verdict:?} {:?}",
                 checker.clearance_along(&JointMotion::curve(&curve), 0.01)
@@ -972,11 +972,11 @@ fn scenes_of_all_sizes_have_equal_verdicts() {
             let mut points = control_points(&mut rng, &from, &to, 1 + k % 7, 1.0);
             points.iter_mut().for_each(|p| p[1] *= unit);
             let curve = bezier(&points);
-            checker.forget();
+            checker.reset();
             let verdict = checker.verdict_of(&JointMotion::curve(&curve));
-            checker.forget();
+            checker.reset();
             let tube = checker.certify(&tubed(&curve, &[0.01, 0.01 * unit, 0.01]));
-            checker.forget();
+            checker.reset();
             let clearance = checker
                 .clearance_along(&JointMotion::curve(&curve), 1e-2)
                 .expect("within limits");

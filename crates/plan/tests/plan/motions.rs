@@ -55,16 +55,16 @@ fn a_path_with_times_is_the_spline_of_its_segments() {
         let timed = |motion: JointMotion| motion.with_times(&times).expect("times");
         let path = timed(JointMotion::path(&rows).expect("a path"));
         let spline = timed(JointMotion::spline(&straight(&rows)).expect("a spline"));
-        checker.forget();
+        checker.reset();
         let found = checker.verdict_of(&path);
-        checker.forget();
+        checker.reset();
         assert_eq!(checker.verdict_of(&spline), found);
         assert_eq!(checker.is_free(&path).expect("within limits"), found.is_free());
         free += usize::from(found.is_free());
         later += usize::from(found.piece() > Some(0));
         // Alone, the piece that is not free has the same verdict.
         if let Some(piece) = found.piece() {
-            checker.forget();
+            checker.reset();
             let alone = checker.verdict_of(&path.piece(piece).expect("a piece"));
             // Warm trackers differ in the last digits.
             assert_eq!(alone.name(), found.name());

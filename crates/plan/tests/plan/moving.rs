@@ -686,7 +686,7 @@ fn proofs_clearances_and_tubes_agree_with_verdicts() {
 }
 
 #[test]
-fn verdicts_have_the_same_bits_on_every_thread_and_after_forget() {
+fn verdicts_have_the_same_bits_on_every_thread_and_after_reset() {
     let ask = |checker: &mut Checker<JointTree>| -> Vec<String> {
         let mut rng = Rng::new(9);
         let each = (0..10).map(|k| {
@@ -697,9 +697,9 @@ fn verdicts_have_the_same_bits_on_every_thread_and_after_forget() {
             let begin = rng.range(-1.0, 6.0);
             let curve = bezier(&points);
             let curve = curve.with_times([begin, begin + 5.0]).expect("times");
-            checker.forget();
+            checker.reset();
             let verdict = checker.certify(&JointMotion::curve(&curve));
-            checker.forget();
+            checker.reset();
             let clearance = checker.clearance_along(&JointMotion::curve(&curve), 0.01);
             checker.set_time(begin).expect("a pose");
             let batch = [1, 3].map(|threads| checker.nearest_batch(&points.concat(), 3, 0.5, threads).expect("rows"));

@@ -49,8 +49,8 @@ fn judge(plain: &mut Checker<JointTree>, with: &mut Checker<JointTree>, samples:
         free += u64::from(is_free);
         let to = at(rng, [&low, &high]);
         // Cold trackers give the same bits, wherever the first contact is.
-        plain.forget();
-        with.forget();
+        plain.reset();
+        with.reset();
         // A world with obstacles that move has no segments.
         let Ok(verdict) = plain.certify(&JointMotion::segment(&from, &to)) else {
             continue;
@@ -212,8 +212,8 @@ fn configurations_and_segments_on_faces_are_looked_up() {
         if k % 2 == 0 {
             to[(k / 2 % 2) as usize] = from[(k / 2 % 2) as usize];
         }
-        plain.forget();
-        with.forget();
+        plain.reset();
+        with.reset();
         let verdict = plain.verdict_of(&JointMotion::segment(&from, &to));
         let found = with.verdict_of(&JointMotion::segment(&from, &to));
         assert_eq!(found, verdict, "{from:?} {to:?}");

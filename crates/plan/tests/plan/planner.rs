@@ -95,10 +95,10 @@ fn a_callback_follows_and_stops_the_shortening_of_a_path() {
         .expect("free ends")
         .path;
     let path = path.expect("a wide passage");
-    checker.forget();
+    checker.reset();
     let whole = Shortcuts::new(60, 7).shorten(&mut checker, &path).expect("a path");
     let mut reports = Vec::new();
-    checker.forget();
+    checker.reset();
     let followed = Shortcuts::new(60, 7)
         .progress(&mut |progress| {
             reports.push(progress);
@@ -116,7 +116,7 @@ fn a_callback_follows_and_stops_the_shortening_of_a_path() {
     let mut lengths = Vec::new();
     for stop in (0..reports.len()).step_by(8) {
         let mut calls = 0;
-        checker.forget();
+        checker.reset();
         let short = Shortcuts::new(60, 7)
             .progress(&mut |_| {
                 calls += 1;

@@ -521,7 +521,7 @@ fn the_same_path_gives_the_same_bits() {
     let way = random_path(&mut checker, &mut Rng::new(9), 6, 1.5);
     let options = SmoothOptions::new([1.0; 6], [5.0; 6]).continuous_acceleration(true);
     let warm = Smoother::new(&options).smooth(&mut checker, &way).expect("a motion");
-    checker.forget();
+    checker.reset();
     let answer = Smoother::new(&options).smooth(&mut checker, &way).expect("a motion");
     assert_eq!(answer, warm);
     let mut other = Checker::new(arm, cell).expect("a world");

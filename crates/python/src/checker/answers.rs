@@ -123,7 +123,7 @@ pub(crate) struct Verdict {
     start_contacts: Vec<StartContact>,
     /// What the pair that blocks does, in words.
     meet: String,
-    /// Of a trajectory, the times of `safe` and `blocked_at`.
+    /// Of a trajectory, the times of `free_until` and `contact_at`.
     times: Option<[f64; 2]>,
     text: String,
 }
@@ -157,7 +157,7 @@ impl Verdict {
     /// Returns the verdict on a trajectory, with the time of a fraction of its segment.
     pub(super) fn with_times(mut self, time_at: impl Fn(f64) -> f64) -> Self {
         let safe = time_at(self.verdict.free_until());
-        let blocked = self.blocked_at().map_or(f64::NAN, &time_at);
+        let blocked = self.contact_at().map_or(f64::NAN, &time_at);
         self.times = Some([safe, blocked]);
         if !self.is_free() {
             let at = if blocked.is_nan() { safe } else { blocked };
@@ -186,7 +186,7 @@ impl Verdict {
 
     /// The contacts at the start that were accepted: see `Checker.start_contact_margin`.
     ///
-    /// Of a path, those of all segments up to the one that is not free. If `safe` is 0, the proof ends
+    /// Of a path, those of all segments up to the one that is not free. If `free_until` is 0, the proof ends
     /// before it finds all of that segment.
     #[getter]
     fn start_contacts(&self) -> Vec<StartContact> {
@@ -209,14 +209,14 @@ impl Verdict {
     /// The time on the segment, 0 to 1, up to which all pairs are proven to keep their required
     /// distances, `start_contacts` after they have left the contact.
     #[getter]
-    fn safe(&self) -> f64 {
+    fn free_until(&self) -> f64 {
         self.verdict.free_until()
     }
 
     /// The time at which a pair is proven not to keep the margin, or with a tube the margin and what
     /// the tube moves; None unless blocked.
     #[getter]
-    fn blocked_at(&self) -> Option<f64> {
+    fn contact_at(&self) -> Option<f64> {
         match self.verdict {
             Judged::Blocked { contact_at, .. } => Some(contact_at),
             _ => None,
@@ -226,18 +226,18 @@ impl Verdict {
     /// The time of the trajectory up to which all pairs are proven to keep the margin; None unless
     /// the verdict is on a trajectory.
     ///
-    /// It is `safe` as a time, rounded; of a free trajectory its last time.
+    /// It is `free_until` as a time, rounded; of a free trajectory its last time.
     #[getter]
-    fn safe_time(&self) -> Option<f64> {
+    fn free_until_time(&self) -> Option<f64> {
         self.times.map(|[safe, _]| safe)
     }
 
     /// The time of the trajectory at which a pair is proven not to keep the margin; None unless
     /// blocked and on a trajectory.
     ///
-    /// It is `blocked_at` as a time, rounded.
+    /// It is `contact_at` as a time, rounded.
     #[getter]
-    fn blocked_time(&self) -> Option<f64> {
+    fn contact_time(&self) -> Option<f64> {
         self.times.map(|[_, blocked]| blocked).filter(|time| !time.is_nan())
     }
 
@@ -257,7 +257,7 @@ impl Verdict {
         }
     }
 
-    /// The closest points of the pair that blocks, at the time `safe`, in the world, each of shape
+    /// The closest points of the pair that blocks, at the time `free_until`, in the world, each of shape
     /// (3,); None unless blocked.
     #[getter]
     #[allow(clippy::type_complexity)] // a pair of arrays
@@ -284,7 +284,7 @@ impl Verdict {
                 },
                 Some((a, b)),
             ) => {
-                let time = self.blocked_time();
+                let time = self.contact_time();
                 let time = time.map_or(String::new(), |time| {
                     format!(" of segment {}, time {time:.9}", self.segment)
                 });

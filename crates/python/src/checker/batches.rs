@@ -11,7 +11,7 @@ use crate::batch::{BLOCK, Batch, Run};
 use crate::errors::plan_error;
 
 /// Number of queries between two readings of the clock.
-const LOOK: usize = 16;
+const CLOCK_STRIDE: usize = 16;
 
 /// Distance, lower and upper bound, and the numbers of the two bodies.
 type Row = [f64; 5];
@@ -64,7 +64,7 @@ struct Clearances<'a>(Configurations<'a>);
 impl Batch for Clearances<'_> {
     type State = Loaded<JointTree>;
     type Row = Row;
-    const LOOK: usize = LOOK;
+    const CLOCK_STRIDE: usize = CLOCK_STRIDE;
 
     fn start(&self) -> PyResult<Self::State> {
         self.0.checker.fork().map_err(plan_error)
@@ -84,7 +84,7 @@ struct Free<'a>(Configurations<'a>);
 impl Batch for Free<'_> {
     type State = Loaded<JointTree>;
     type Row = bool;
-    const LOOK: usize = LOOK;
+    const CLOCK_STRIDE: usize = CLOCK_STRIDE;
 
     fn start(&self) -> PyResult<Self::State> {
         self.0.checker.fork().map_err(plan_error)
@@ -158,7 +158,7 @@ impl Checker {
 
     /// Returns the `k` closest pairs at many configurations, shape (N, dof), with gradients.
     ///
-    /// Row i has the bits of `nearest(q[i], slack)[:k]` after `forget`, for any number of threads.
+    /// Row i has the bits of `nearest(q[i], slack)[:k]` after `reset`, for any number of threads.
     /// Ctrl-C ends the call.
     ///
     /// Parameters

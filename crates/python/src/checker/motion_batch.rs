@@ -12,7 +12,7 @@ use crate::batch::{Batch, Run};
 use crate::curve::curves_of;
 
 /// Number of motions between two readings of the clock.
-const LOOK: usize = 4;
+const CLOCK_STRIDE: usize = 4;
 
 /// Curves, for checkers of one world.
 struct Motions<'a> {
@@ -25,7 +25,7 @@ struct Motions<'a> {
 impl Batch for Motions<'_> {
     type State = Loaded<JointTree>;
     type Row = Option<Judged>;
-    const LOOK: usize = LOOK;
+    const CLOCK_STRIDE: usize = CLOCK_STRIDE;
 
     fn start(&self) -> PyResult<Self::State> {
         self.checker.copy()
@@ -33,7 +33,7 @@ impl Batch for Motions<'_> {
 
     fn answer(&self, checker: &mut Self::State, first: usize, rows: &mut [Option<Judged>]) -> PyResult<()> {
         for (k, to) in (first..).zip(rows) {
-            checker.forget();
+            checker.reset();
             let motion = in_tube(&self.curves[k], self.tubes.get(k));
             let found = motion.and_then(|motion| checker.certify(&motion));
             *to = Some(found.map_err(|e| self.checker.numbered_fault(k, &e))?);
@@ -46,7 +46,7 @@ impl Batch for Motions<'_> {
 impl Checker {
     /// Returns the verdicts on many motions, each over its whole length.
     ///
-    /// Row i has the bits of `certify_curve(curves[i])` after `forget`, for any number of threads.
+    /// Row i has the bits of `certify_curve(curves[i])` after `reset`, for any number of threads.
     /// Ctrl-C ends the call.
     ///
     /// Parameters
@@ -64,10 +64,10 @@ impl Checker {
     /// Returns
     /// -------
     /// numpy.ndarray, shape (N,)
-    ///     A structured array with the fields `state` ("free", "blocked" or "undecided"); `safe`;
-    ///     `blocked_at`; `a` and `b`, the bodies that block, as indices of `bodies`; `point_a` and
-    ///     `point_b`, their closest points at `safe`, in the world, of shape (3,). See Verdict.
-    ///     Unless blocked, `blocked_at` is NaN, the indices are -1 and the points are zero.
+    ///     A structured array with the fields `state` ("free", "blocked" or "undecided"); `free_until`;
+    ///     `contact_at`; `a` and `b`, the bodies that block, as indices of `bodies`; `point_a` and
+    ///     `point_b`, their closest points at `free_until`, in the world, of shape (3,). See Verdict.
+    ///     Unless blocked, `contact_at` is NaN, the indices are -1 and the points are zero.
     #[pyo3(signature = (curves, *, tube=None, threads=1, progress=None))]
     fn certify_batch<'py>(
         &self,
@@ -103,14 +103,14 @@ impl Checker {
             };
             of_triples(py, found.iter().map(of).collect()).map(Bound::into_any)
         };
-        let blocked_at = |verdict: &Judged| match *verdict {
+        let contact_at = |verdict: &Judged| match *verdict {
             Judged::Blocked { contact_at, .. } => contact_at,
             _ => f64::NAN,
         };
         let columns = vec![
             (("state", "U9", None), words::<9>(py, found.iter().map(Judged::name))?),
-            (("safe", "f8", None), number(Judged::free_until)),
-            (("blocked_at", "f8", None), number(blocked_at)),
+            (("free_until", "f8", None), number(Judged::free_until)),
+            (("contact_at", "f8", None), number(contact_at)),
             (("a", "i4", None), body(false)),
             (("b", "i4", None), body(true)),
             (("point_a", "f8", Some(3)), point(0)?),

@@ -321,7 +321,7 @@ impl Checker {
     /// Returns the verdict on a trajectory, over all its times.
     ///
     /// It is free, or the verdict on the motion after the first point, `segment`, after which it is
-    /// not free; `safe_time` and `blocked_time` are times of the trajectory. The columns may be in
+    /// not free; `free_until_time` and `contact_time` are times of the trajectory. The columns may be in
     /// any order if the trajectory has names. Moving obstacles are where they are at these times:
     /// see `add_moving_obstacle`. Ctrl-C ends the call.
     ///

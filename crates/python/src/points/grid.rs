@@ -158,7 +158,7 @@ struct Nodes<'a> {
 impl Batch for Nodes<'_> {
     type State = ();
     type Row = Option<Distance>;
-    const LOOK: usize = BLOCK;
+    const CLOCK_STRIDE: usize = BLOCK;
 
     fn start(&self) -> PyResult<()> {
         Ok(())

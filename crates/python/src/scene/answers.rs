@@ -140,8 +140,8 @@ impl Scene {
     ///
     /// A change is a text such as "overlap began", "came within" or "boxes parted".
     fn events(&self) -> Vec<(String, u64, u64)> {
-        let told = self.0.events().iter();
-        told.map(|e| (e.change.to_string(), number(e.a), number(e.b))).collect()
+        let reported = self.0.events().iter();
+        reported.map(|e| (e.change.to_string(), number(e.a), number(e.b))).collect()
     }
 
     /// Returns the first contacts, and first times within a distance, of the last `advance`.

@@ -52,7 +52,7 @@ impl Batch for Distances<'_> {
             Some(_) => AnyTracker::Polyhedra(Box::default()),
             None => AnyTracker::Pair(Box::default()),
         };
-        let poses = Vec::with_capacity(Self::LOOK);
+        let poses = Vec::with_capacity(Self::CLOCK_STRIDE);
         Ok(Block { tracker, poses })
     }
 

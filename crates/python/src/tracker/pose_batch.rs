@@ -88,7 +88,7 @@ struct Depths<'a>(Pair<'a>, QueryOptions);
 impl Batch for Depths<'_> {
     type State = PairTracker;
     type Row = [f64; 5];
-    const LOOK: usize = 4;
+    const CLOCK_STRIDE: usize = 4;
 
     fn start(&self) -> PyResult<PairTracker> {
         Ok(PairTracker::new())
@@ -110,7 +110,7 @@ struct Volumes<'a>(Pair<'a>);
 impl Batch for Volumes<'_> {
     type State = PairTracker;
     type Row = [f64; 6];
-    const LOOK: usize = 4;
+    const CLOCK_STRIDE: usize = 4;
 
     fn start(&self) -> PyResult<PairTracker> {
         Ok(PairTracker::new())

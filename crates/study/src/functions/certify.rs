@@ -37,7 +37,7 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
     let (ends, coordinates) = (Ends::new(arguments), study.coordinates());
     structs(study, FIELDS, rows, |checker, row, numbers| {
         let [from, to] = ends.read(row, coordinates, numbers)?;
-        checker.forget();
+        checker.reset();
         let verdict = checker
             .certify(&JointMotion::segment(from, to))
             .map_err(RowError::refused)?;

@@ -61,7 +61,7 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
             }
         }
         let points: Vec<&[f64]> = numbers.chunks(coordinates.len().max(1)).collect();
-        checker.forget();
+        checker.reset();
         let verdict = JointCurve::bezier(&points).and_then(|curve| checker.certify(&JointMotion::curve(&curve)));
         let verdict = verdict.map_err(|error| match error {
             PlanError::CurveLimit {

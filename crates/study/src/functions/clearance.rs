@@ -18,7 +18,7 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
     let (vectors, coordinates) = (Vectors::new(arguments), study.coordinates());
     structs(study, FIELDS, rows, |checker, row, q| {
         configuration(&vectors, row, coordinates, q)?;
-        checker.forget();
+        checker.reset();
         let Some(near) = checker.clearance(q).map_err(RowError::refused)? else {
             return Ok([f64::INFINITY; 3].map(number).into());
         };

@@ -206,7 +206,7 @@ fn is_free(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRe
     let mut answers = BooleanBuilder::with_capacity(rows);
     let ask = |checker: &mut Checker<JointTree>, row, q: &mut Vec<f64>| {
         configuration(&vectors, row, coordinates, q)?;
-        checker.forget();
+        checker.reset();
         checker.is_free_at(q).map_err(RowError::refused)
     };
     each_row(study, rows, ask, |answer| answers.append_option(answer))?;

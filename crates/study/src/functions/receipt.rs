@@ -18,7 +18,7 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
     let (ends, coordinates) = (Ends::new(arguments), study.coordinates());
     structs(study, FIELDS, rows, |checker, row, numbers| {
         let [from, to] = ends.read(row, coordinates, numbers)?;
-        checker.forget();
+        checker.reset();
         match Receipt::motion(checker, &JointMotion::segment(from, to)) {
             Ok(receipt) => Ok(vec![text(receipt)]),
             Err(ReceiptError::Plan(error)) => Err(RowError::refused(error)),

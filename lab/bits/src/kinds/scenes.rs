@@ -17,7 +17,7 @@ pub(super) fn boxes(t: &mut Teller, r: &mut Random) {
     let mut broad = SweepAndPrune::new();
     let mut ids: Vec<_> = (0..300)
         .map(|k| {
-            let moving = broad::BodyOptions::default().margin(0.05).lookahead(1.0);
+            let moving = broad::BodyOptions::default().growth(0.05).lookahead(1.0);
             let body = [moving, broad::BodyOptions::default().fixed(true)][k % 2];
             broad.insert(&aabb(r), body).expect("a box")
         })

@@ -137,7 +137,7 @@ pub(super) fn boxes_zeros(t: &mut Teller, r: &mut Random) {
     };
     let ids: Vec<_> = (0..120)
         .map(|k| {
-            let moving = broad::BodyOptions::default().margin([0.0, 0.1][k / 2 % 2]);
+            let moving = broad::BodyOptions::default().growth([0.0, 0.1][k / 2 % 2]);
             broad
                 .insert(&aabb(r), [moving, broad::BodyOptions::default().fixed(true)][k % 2])
                 .expect("a box")

@@ -267,7 +267,7 @@ fn table(runs: &[Vec<Step>]) -> String {
             c.depths,
             c.manifolds,
         ];
-        let times = [t.boxes, t.pairs, t.look, t.events, t.total()].map(|d| d.as_nanos());
+        let times = [t.boxes, t.pairs, t.narrow_phase, t.events, t.total()].map(|d| d.as_nanos());
         let cells = counts
             .iter()
             .map(u64::to_string)

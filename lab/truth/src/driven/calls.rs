@@ -90,8 +90,8 @@ impl Bytes<'_> {
         };
         match kind / 2 % 3 {
             0 => body.groups(self.groups()),
-            1 if kind > 250 => body.margin(f64::NAN),
-            1 => body.margin(f64::from(kind / 64) / 4.0).lookahead(2.0),
+            1 if kind > 250 => body.growth(f64::NAN),
+            1 => body.growth(f64::from(kind / 64) / 4.0).lookahead(2.0),
             _ => body,
         }
     }

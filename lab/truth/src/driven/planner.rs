@@ -473,7 +473,7 @@ impl Play {
     /// Compares the checker with a new one of its world.
     fn afresh(&mut self, q: &[f64], p: &[f64]) -> Result<(), String> {
         let mut fresh = self.fresh(0.0)?;
-        self.checker.forget();
+        self.checker.reset();
         let ask = |checker: &mut Checker<JointTree>| {
             let near = checker.nearest(q, 0.3);
             format!(

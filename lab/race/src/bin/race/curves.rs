@@ -18,7 +18,7 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_plan::{
     Cell, Checker, ConfigurationSpace, Drive, JointCurve, JointKind, JointMotion, JointTree, TreeJoint, Verdict,
 };
-use lin_canny_robot::{ExcludeReason, RobotFiles, Srdf, find_excludable};
+use lin_canny_robot::{ExcludeReason, RobotFiles, Srdf, find_excluded};
 use race::common::{Options, Rows, median};
 use truth::arm::chain::chain;
 use truth::arm::{self, Trouble, robot};
@@ -211,7 +211,7 @@ fn from_file(robot: PathBuf, srdf: Option<PathBuf>, posts: Option<f64>) -> Resul
     files.srdf = srdf;
     let mut cell = files.load()?.cell;
     if files.srdf.is_none() {
-        let mut counts = find_excludable(&cell, SAMPLES, 1, &mut |_| ControlFlow::Continue(()))?;
+        let mut counts = find_excluded(&cell, SAMPLES, 1, &mut |_| ControlFlow::Continue(()))?;
         counts.retain(|pair| pair.reason != Some(ExcludeReason::Never));
         Srdf::from_counts(&counts).exclude_in(&mut cell, "")?;
     }

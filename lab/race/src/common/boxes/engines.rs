@@ -27,12 +27,12 @@ struct Ours {
 impl Ours {
     fn new(scene: &Scene) -> Self {
         let mut broad = SweepAndPrune::new();
-        let margin = if matches!(scene.kind, Kind::Movers | Kind::UniformSlow) {
+        let growth = if matches!(scene.kind, Kind::Movers | Kind::UniformSlow) {
             0.04
         } else {
             0.0
         };
-        let body = BodyOptions::default().margin(margin);
+        let body = BodyOptions::default().growth(growth);
         let ids = scene.boxes.iter().filter_map(|b| broad.insert(b, body).ok()).collect();
         Self {
             broad,

@@ -100,7 +100,7 @@ impl Engine for Ours {
             "    wall us a step: boxes {:.0}, pairs {:.0}, look {:.0}, events {:.0}; a step: {:.0} box pairs, {:.0} by budget, {:.0} by balls, {:.0} asked ({:.0} walk, {:.0} kept proof, {:.0} other); {} bytes a body, {:.0} a pair",
             us(t.boxes),
             us(t.pairs),
-            us(t.look),
+            us(t.narrow_phase),
             us(t.events),
             c.pairs as f64 / steps,
             c.skipped as f64 / steps,

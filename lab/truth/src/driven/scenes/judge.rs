@@ -66,7 +66,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
 
     /// Returns the queries of two bodies.
     pub(super) fn called(&self, a: BodyId, b: BodyId) -> PairQueries {
-        if self.main().is_ignored(a, b) {
+        if self.main().is_excluded(a, b) {
             return NONE;
         }
         self.enabled(a, b)

@@ -242,8 +242,12 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             }
             4 => self.switch(bytes),
             5 => {
-                let (other, ignored) = (self.any(bytes).expect("there are bodies"), bytes.chance(50));
-                let set = if ignored { Scene::ignore_pair } else { Scene::allow_pair };
+                let (other, excluded) = (self.any(bytes).expect("there are bodies"), bytes.chance(50));
+                let set = if excluded {
+                    Scene::exclude_pair
+                } else {
+                    Scene::include_pair
+                };
                 self.each(|scene| set(scene, id, other)).expect("both live");
             }
             6..9 => {

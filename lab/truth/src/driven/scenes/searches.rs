@@ -101,7 +101,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         let of = |id: BodyId| self.main().group(id).expect("the body lives");
         let is_of = |(a, b): &(BodyId, BodyId)| (of(*a), of(*b)) == (g, h) || (of(*b), of(*a)) == (g, h);
         let pairs = self.pairs().filter(is_of);
-        let pairs: Vec<_> = pairs.filter(|(a, b)| !self.main().is_ignored(*a, *b)).collect();
+        let pairs: Vec<_> = pairs.filter(|(a, b)| !self.main().is_excluded(*a, *b)).collect();
         for scene in &self.scenes {
             for d in [0.0, 0.5] {
                 let told = scene.pairs_within(g, h, d).expect("boxes are kept");

@@ -47,7 +47,7 @@ fn judge(new: impl Fn() -> Checker<JointTree>, draw: impl Fn(&mut Rng) -> Vec<f6
         let p = warm.space().moved(&q, &steps);
         for question in 0..QUESTIONS {
             let expected = ask(&mut new(), question, &q, &p);
-            forgetful.forget();
+            forgetful.reset();
             assert_eq!(ask(&mut forgetful, question, &q, &p), expected, "{q:?} {p:?}");
             differing += usize::from(ask(&mut warm, question, &q, &p) != expected);
         }
@@ -59,11 +59,11 @@ fn judge(new: impl Fn() -> Checker<JointTree>, draw: impl Fn(&mut Rng) -> Vec<f6
 fn hulls_are_forgotten() {
     let draw = |rng: &mut Rng| motion::carry(rng.range(0.0, 1.0));
     let differing = judge(of_hulls, draw, 60);
-    assert!(differing > 0, "nothing to forget");
+    assert!(differing > 0, "nothing to reset");
 }
 
 #[test]
 fn meshes_are_forgotten() {
     let differing = judge(of_meshes, ArmCell::sample, 24);
-    assert!(differing > 0, "nothing to forget");
+    assert!(differing > 0, "nothing to reset");
 }

@@ -64,7 +64,7 @@ struct Counted {
 ///
 /// # Errors
 /// Returns an error if a number of a robot is out of range.
-pub fn find_excludable(
+pub fn find_excluded(
     cell: &Cell,
     samples: u64,
     seed: u64,
@@ -81,8 +81,8 @@ pub fn find_excludable(
             pair.count(cell, &poses)?;
         }
         done += 1;
-        let told = Progress::new("configurations", done as usize, usize::try_from(samples).ok());
-        if progress(told).is_break() {
+        let state = Progress::new("configurations", done as usize, usize::try_from(samples).ok());
+        if progress(state).is_break() {
             break;
         }
     }
@@ -156,7 +156,7 @@ impl Counted {
 }
 
 impl Srdf {
-    /// Returns the pairs that these counts allow to exclude: see [`find_excludable`].
+    /// Returns the pairs that these counts allow to exclude: see [`find_excluded`].
     #[must_use]
     pub fn from_counts(counts: &[LinkPairCount]) -> Self {
         let excluded = counts.iter().filter_map(|pair| {
