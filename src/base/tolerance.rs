@@ -73,10 +73,10 @@
 //!   What an error of a quaternion does to its matrix is proved by identities of polynomials.
 //! * **Underflow**: the cases above are tests, kernel by kernel, as is the largest product of each
 //!   row of the table of degrees, with the scale at which the largest of all leaves the range.
-//! * **Prose** remains here: the parts of `DISPLACEMENT` told "per" a length, and those of `BOXES`
-//!   and `PLANE`, are each proved for one length alone, as they are linear in all; the sum of two
-//!   numbers of twice the precision is right by the literature, as the table says; that a direction
-//!   makes a gap a lower bound, and points of the bodies an upper one, is geometry.
+//! * **Prose** remains here: the parts of `DISPLACEMENT` stated "per" a length, and those of
+//!   `BOXES` and `PLANE`, are each proved for one length alone, as they are linear in all; the sum
+//!   of two numbers of twice the precision is right by the literature, as the table says; that a
+//!   direction makes a gap a lower bound, and points of the bodies an upper one, is geometry.
 //!
 #![doc = include_str!("tolerance/proved.md")]
 
@@ -183,13 +183,13 @@ pub(crate) const CELL: f64 = 16.0 * UNIT;
 /// Faces of a mesh nearer than this times its radius may be one plane; steers work alone.
 pub(crate) const ONE_PLANE: f64 = 64.0 * UNIT;
 
-/// Faces whose normals differ by less than this, `2^-46`, bear a contact as a single face: a flat
+/// Faces whose normals differ by less than this, `2^-46`, carry a contact as a single face: a flat
 /// face whose vertices were rounded comes as several, with normals apart by a few UNIT times the
 /// size of the face over the width of the parts. A point attributed to the wrong part is off by no
 /// more than this times L.
 pub(crate) const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
 
-/// A face bears no contact if the cosine of its angle to the normal is below this: heights over a
+/// A face carries no contact if the cosine of its angle to the normal is below this: heights over a
 /// position err by the position's noise times the tangent, at most `64 ACROSS L`. Not a matter of
 /// soundness.
 pub(crate) const STEEP: f64 = 1.0 / 64.0;

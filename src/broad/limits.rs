@@ -50,26 +50,29 @@ fn pairs_without_slot(mut broad: SweepAndPrune) {
     let ids: [BodyId; 4] =
         [0.0, 0.1, 0.2, 9.0].map(|x| broad.insert(&cube(x), BodyOptions::default()).expect("a sound box"));
     let [a, b, c, d] = ids;
-    let told = broad.step();
+    let reported = broad.step();
     let named = |pairs: &[super::Pair]| pairs.iter().map(|p| (p.a, p.b)).collect::<alloc::vec::Vec<_>>();
-    assert_eq!(named(told.began), [(a, b), (a, c)]);
+    assert_eq!(named(reported.began), [(a, b), (a, c)]);
     let error = BroadPhaseError::TooManyPairs { a: b, b: c, refused: 1 };
-    assert_eq!(told.refused, Some(error));
+    assert_eq!(reported.refused, Some(error));
     assert_eq!(broad.pair_count(), 2);
     assert!(broad.pair(b, c).is_none());
     // Not rejected twice. An ended pair frees a slot, and a pair that has to wait starts when the
     // boxes overlap again.
     assert_eq!(broad.step().refused, None);
     broad.set_box(a, &cube(-9.0)).expect("a sound box");
-    let told = broad.step();
-    assert_eq!((told.ended.len(), told.began.len(), told.refused), (2, 0, None));
+    let reported = broad.step();
+    assert_eq!(
+        (reported.ended.len(), reported.began.len(), reported.refused),
+        (2, 0, None)
+    );
     broad.regroup(c).expect("it is there");
     assert_eq!(named(broad.step().began), [(b, c)]);
     // The rejected pair ends without an event.
     broad.set_box(d, &cube(0.0)).expect("a sound box");
-    let told = broad.step();
+    let reported = broad.step();
     assert_eq!(
-        (told.began.len(), told.refused),
+        (reported.began.len(), reported.refused),
         (1, Some(BroadPhaseError::TooManyPairs { a: c, b: d, refused: 1 }))
     );
     broad.set_box(d, &cube(9.0)).expect("a sound box");

@@ -102,8 +102,8 @@ impl StepContext<'_> {
         let is_told = |outcome: &Outcome| {
             !is_moved
                 && has_contacts
-                && answer.outcome().is_none_or(|told| is_consistent(told, &pose))
-                && answer.distance().is_none_or(|told| agree(&told, outcome))
+                && answer.outcome().is_none_or(|reported| is_consistent(reported, &pose))
+                && answer.distance().is_none_or(|reported| agree(&reported, outcome))
         };
         if !is_same || state.measured && !repeated.outcome.as_ref().is_some_and(is_told) {
             return None;
@@ -192,14 +192,14 @@ impl StepContext<'_> {
 
 /// Returns whether a stored distance and a query agree. A bound that the query leaves open is open
 /// in the text, too.
-fn agree(told: &Distance, found: &Outcome) -> bool {
-    told.state == found.state
-        && told.lower.is_finite() == found.lower.is_finite()
-        && told.upper.is_finite() == found.upper.is_finite()
-        && told.lower <= found.upper
-        && found.lower <= told.upper
-        && told.lower <= told.value
-        && told.value <= told.upper
+fn agree(reported: &Distance, found: &Outcome) -> bool {
+    reported.state == found.state
+        && reported.lower.is_finite() == found.lower.is_finite()
+        && reported.upper.is_finite() == found.upper.is_finite()
+        && reported.lower <= found.upper
+        && found.lower <= reported.upper
+        && reported.lower <= reported.value
+        && reported.value <= reported.upper
 }
 
 /// Returns whether the witness points of an outcome are as far apart as its distance says, up to

@@ -85,7 +85,7 @@ fn below(folder: &str) -> Vec<Source> {
 }
 
 /// The top-level modules, lowest first, and the layers of those with several.
-const ROOMS: &[(&str, &str)] = &[
+const MODULES: &[(&str, &str)] = &[
     ("base", "tolerance callbacks num pose motion"),
     ("body", "polyhedron shape"),
     ("pair", "soundness"),
@@ -106,11 +106,13 @@ const ROOMS: &[(&str, &str)] = &[
 
 /// Returns the path of a file or of a module, starting at its layer.
 fn layer_of(path: &str) -> &str {
-    let Some((room, rest)) = path.split_once('/') else {
+    let Some((module, rest)) = path.split_once('/') else {
         return path;
     };
     let layer = rest.split(['/', '.']).next().unwrap_or("");
-    let stands = ROOMS.iter().any(|(name, layers)| *name == room && lists(layers, layer));
+    let stands = MODULES
+        .iter()
+        .any(|(name, layers)| *name == module && lists(layers, layer));
     if stands { rest } else { path }
 }
 
@@ -178,10 +180,10 @@ fn may_use() -> Vec<[String; 2]> {
     rows(include_str!("layers.txt"), "may use")
 }
 
-/// There are at most ten top-level modules, and no layer is in a module above the modules that use
+/// There are at most 13 top-level modules, and no layer is in a module above the modules that use
 /// it.
 #[test]
-fn rooms_stand_in_order() {
+fn modules_are_in_order() {
     let root = crate::root().join("src");
     let entries = std::fs::read_dir(root)
         .expect("src is readable")
@@ -190,29 +192,29 @@ fn rooms_stand_in_order() {
         .filter(|p| p.is_dir())
         .map(|p| p.file_name().map(|n| n.to_os_string()))
         .collect();
-    let mut rooms: Vec<_> = ROOMS
+    let mut modules: Vec<_> = MODULES
         .iter()
         .map(|(name, _)| Some(std::ffi::OsString::from(name)))
         .collect();
     folders.sort();
-    rooms.sort();
-    assert_eq!(folders, rooms);
-    assert!(ROOMS.len() <= 13);
-    let room_of = |layer: &str| {
-        ROOMS
+    modules.sort();
+    assert_eq!(folders, modules);
+    assert!(MODULES.len() <= 13);
+    let module_of = |layer: &str| {
+        MODULES
             .iter()
             .position(|(name, layers)| *name == layer || lists(layers, layer))
     };
     let layers = may_use().into_iter().map(|[name, _]| name);
     let order: Vec<_> = layers
         .filter(|name| !["guide", "__proofs"].contains(&name.as_str()))
-        .map(|name| room_of(&name).unwrap_or_else(|| panic!("`{name}` stands in no room")))
+        .map(|name| module_of(&name).unwrap_or_else(|| panic!("`{name}` is in no module")))
         .collect();
     assert!(order.is_sorted(), "{order:?}");
 }
 
 /// Returns the layers in the first column of the table of ARCHITECTURE.md.
-fn layers_told() -> Vec<String> {
+fn layers_listed() -> Vec<String> {
     let root = crate::root();
     let text = std::fs::read_to_string(root.join("ARCHITECTURE.md")).expect("ARCHITECTURE.md is text");
     let rows = text.lines().skip_while(|l| *l != "| layer | holds |").skip(2);
@@ -242,7 +244,7 @@ fn layers_stand_in_order() {
             );
         }
     }
-    assert_eq!(layers_told(), names);
+    assert_eq!(layers_listed(), names);
 }
 
 #[test]
@@ -250,11 +252,11 @@ fn data_flows_one_way() {
     let mut found = Vec::new();
     let layers = may_use();
     for s in sources() {
-        let is_room = |(room, layers): &(&str, &str)| !layers.is_empty() && s.name == format!("{room}/mod.rs");
+        let is_module = |(module, layers): &(&str, &str)| !layers.is_empty() && s.name == format!("{module}/mod.rs");
         if s.name == "lib.rs"
-            || ROOMS
+            || MODULES
                 .iter()
-                .any(|r| is_room(r) && r.0 != "pair" && r.0 != "pair_tracker")
+                .any(|r| is_module(r) && r.0 != "pair" && r.0 != "pair_tracker")
         {
             continue;
         }

@@ -15,13 +15,13 @@
 //! | apart | no | the gap is at least what the pair must keep |
 //! | touching | if the rules say so | they share points, and no volume |
 //! | close | yes | the gap is less than the pair must keep |
-//! | undecided | no, but told | curved parts, if the bounds do not decide whether they touch |
+//! | undecided | no, but reported | curved parts, if the bounds do not decide whether they touch |
 //! | crossing | yes | surfaces cross, and a part has no inside |
 //! | overlapping | unless allowed | they share a volume |
 //! | inside | unless allowed | one is wholly in the other: up to 1e-9 of its volume |
 //! | equal | unless allowed | the same solid in the same place, up to 1e-9 of its volume |
 //!
-//! A part inside the hollow of another one is apart. `inside` and `equal` are told of polyhedra and closed
+//! A part inside the hollow of another one is apart. `inside` and `equal` are reported of polyhedra and closed
 //! meshes that do not cover themselves; other parts overlap.
 #![warn(clippy::disallowed_methods)]
 

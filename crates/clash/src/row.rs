@@ -228,10 +228,10 @@ pub fn to_junit(rows: &[Row]) -> String {
             text += "/>\n";
             continue;
         };
-        let told = escaped(&row.text());
+        let reported = escaped(&row.text());
         let _ = writeln!(
             text,
-            "><{element} type=\"{}\" message=\"{told}\"/></testcase>",
+            "><{element} type=\"{}\" message=\"{reported}\"/></testcase>",
             row.kind
         );
     }

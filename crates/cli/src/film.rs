@@ -107,7 +107,7 @@ pub(crate) fn record(
         return Ok(());
     };
     for (k, (curve, verdict)) in curves.iter().zip(verdicts).enumerate() {
-        let end = told(&checker, path, k, verdict);
+        let end = reported(&checker, path, k, verdict);
         let segment = format!("{unit} {} to {}", path.lines[k], path.lines[k + 1]);
         for t in times(k == 0, verdict) {
             let q = at(curve, t, coordinates);
@@ -152,7 +152,7 @@ fn at(curve: &JointCurve, t: f64, coordinates: &[Coordinate]) -> Vec<f64> {
 }
 
 /// Returns a verdict in words.
-fn told(checker: &Checker<JointTree>, path: &Trajectory, k: usize, verdict: &Verdict) -> String {
+fn reported(checker: &Checker<JointTree>, path: &Trajectory, k: usize, verdict: &Verdict) -> String {
     match verdict {
         Verdict::Free { .. } => verdict.name().into(),
         Verdict::Blocked {

@@ -59,17 +59,17 @@ pub(crate) fn run(options: &PointOptions) -> Result<End, ToolError> {
     let read = MeshFile::load(&options.mesh)?;
     let (points, triangles) = read.whole();
     let corners: Vec<_> = points.into_iter().map(Point3::from).collect();
-    let told = |error: MeshError| invalid(&options.mesh, error);
+    let reported = |error: MeshError| invalid(&options.mesh, error);
     let mut solid = None;
     if options.repair != Repair::None {
-        let repaired = Mesh::repaired(&corners, &triangles, &RepairOptions::default()).map_err(told)?;
+        let repaired = Mesh::repaired(&corners, &triangles, &RepairOptions::default()).map_err(reported)?;
         let repair = repaired.report().repair.as_deref();
         say!("repaired the mesh: {}", repair.cloned().unwrap_or_default());
         solid = Some(repaired);
     }
     let mesh = match solid.take_if(|_| options.repair == Repair::Surface) {
         Some(solid) => solid,
-        None => Mesh::new(&corners, &triangles).map_err(told)?,
+        None => Mesh::new(&corners, &triangles).map_err(reported)?,
     };
     if mesh.kind() == MeshKind::Open && solid.is_none() {
         let count = mesh.report().boundary_edges.len();

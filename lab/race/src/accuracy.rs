@@ -71,7 +71,7 @@ fn levels(rows: &[Row], engine: &str, family: &str, n: usize) -> Vec<String> {
 }
 
 /// Returns a family as words of a title.
-fn told(family: &str) -> String {
+fn reported(family: &str) -> String {
     let (what, motion) = family.split_once(' ').unwrap_or((family, ""));
     match motion.strip_suffix("deg") {
         Some(degrees) => {
@@ -91,7 +91,7 @@ fn told(family: &str) -> String {
 pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
     let mut chart = Chart::new(format!(
         "error and time of a query: {}, {n} vertices a body",
-        told(family)
+        reported(family)
     ))
     .axes(
         "nanoseconds a query",
@@ -180,7 +180,7 @@ fn lines(mut chart: Chart, rows: &[Row], x: impl Fn(&Row) -> Option<f64>) -> Cha
 
 /// Draws time against the number of vertices.
 pub fn time_and_size(rows: &[Row], family: &str) -> Chart {
-    let chart = Chart::new(format!("time of a query: {}", told(family)))
+    let chart = Chart::new(format!("time of a query: {}", reported(family)))
         .axes("vertices a body", "nanoseconds a query")
         .log_x()
         .log_y()
@@ -360,15 +360,18 @@ pub fn curved(rows: &[Row], pair: &str) -> Chart {
 
 /// Draws the cost of each question: one line each, with the error of its answers.
 pub fn asking(rows: &[Row], family: &str, n: usize) -> Chart {
-    let mut chart = Chart::new(format!("what asking less saves: {}, {n} vertices a body", told(family)))
-        .axes(
-            "nanoseconds a query; beside the question the greatest error seen, over the size of the pair",
-            "",
-        )
-        .log_x()
-        .rows()
-        .size(880, 440)
-        .legend_beside();
+    let mut chart = Chart::new(format!(
+        "what asking less saves: {}, {n} vertices a body",
+        reported(family)
+    ))
+    .axes(
+        "nanoseconds a query; beside the question the greatest error seen, over the size of the pair",
+        "",
+    )
+    .log_x()
+    .rows()
+    .size(880, 440)
+    .legend_beside();
     let engines = [
         ("ours", "ours"),
         ("detail", "ours, on inner hulls"),

@@ -33,7 +33,7 @@ impl Form {
         matches!(self, Self::Sharp(..) | Self::Convex(_))
     }
 
-    fn lent(&self) -> GeometryRef<'_> {
+    fn borrowed(&self) -> GeometryRef<'_> {
         match self {
             Self::Sharp(body) => body.into(),
             Self::Convex(shape) => shape.into(),
@@ -140,7 +140,7 @@ pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
 /// Returns the signed distance of two bodies by a new tracker.
 pub fn distance(a: &Form, b: &Form, pose: &RelativePose) -> Distance {
     let narrow = QueryOptions::default().width(1e-9);
-    Distance::from(&PairTracker::new().closest_with(a.lent(), b.lent(), pose, &narrow))
+    Distance::from(&PairTracker::new().closest_with(a.borrowed(), b.borrowed(), pose, &narrow))
 }
 
 /// Returns whether two bodies are at most `d` apart; `None` if the bounds do not decide it.

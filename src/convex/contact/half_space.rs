@@ -4,7 +4,7 @@
 //!        \   body   /
 //!         \        .'      n      outward normal of the half-space
 //!          v-----.'  ^     v      lowest vertex: its height is the signed distance
-//!     ___________ n__|__   v - .  face that bears the contact, nearly parallel to the plane
+//!     ___________ n__|__   v - .  face that carries the contact, nearly parallel to the plane
 //!      half-space
 //! ```
 //!

@@ -213,16 +213,19 @@ mod tests {
             let whole = |v: &Vector3<f64>| [v.x, v.y, v.z].map(|x| integer(x, -400));
             let rounded = direction(&n);
             let truth = sign(&dot(&n, &whole(&e)));
-            let told = edge_sign(&rounded, &e);
-            assert!(told == 0 || told == truth, "{rounded:?} {e:?}");
-            certain[0] += i32::from(told != 0);
-            uncertain[0] += i32::from(told == 0);
+            let reported = edge_sign(&rounded, &e);
+            assert!(reported == 0 || reported == truth, "{rounded:?} {e:?}");
+            certain[0] += i32::from(reported != 0);
+            uncertain[0] += i32::from(reported == 0);
             let (n_e, n_f) = (dot(&n, &whole(&e)), dot(&n, &whole(&f)));
             let truth = sign(&(n_e * dot(&whole(&m), &whole(&f)) - n_f * dot(&whole(&m), &whole(&e))));
-            let told = steeper(&rounded, &m, &e, &f);
-            assert!(told.is_none_or(|sign| sign == truth), "{rounded:?} {m:?} {e:?} {f:?}");
-            certain[1] += i32::from(told.is_some());
-            uncertain[1] += i32::from(told.is_none());
+            let reported = steeper(&rounded, &m, &e, &f);
+            assert!(
+                reported.is_none_or(|sign| sign == truth),
+                "{rounded:?} {m:?} {e:?} {f:?}"
+            );
+            certain[1] += i32::from(reported.is_some());
+            uncertain[1] += i32::from(reported.is_none());
         }
         assert!(
             certain.iter().chain(&uncertain).all(|&n| n > 2000),

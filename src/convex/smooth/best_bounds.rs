@@ -347,15 +347,15 @@ pub(crate) fn bounds_along<A: Support, B: Support>(
 ) -> Option<ToldAlong> {
     let posed = &PosedCores { a, b, frame, size: 0.0 };
     let mut pieces = [DifferencePoint::default(); 2];
-    let mut told = [([0.0; 3], 0.0, 0.0); 2];
+    let mut reported = [([0.0; 3], 0.0, 0.0); 2];
     for k in 0..2 {
         let n = super::posed::unit(&directions[k])?;
         let toward = posed.toward(n);
         pieces[k] = posed.support(&toward, [0; 2]);
         let mut best = ProvenBounds::new();
-        told[k] = (n, best.prove(&toward, &pieces[k]), best.point(&pieces[k]));
+        reported[k] = (n, best.prove(&toward, &pieces[k]), best.point(&pieces[k]));
     }
     let mut best = ProvenBounds::new();
     best.mixture(posed, &pieces, &weights);
-    Some((told, best.upper))
+    Some((reported, best.upper))
 }

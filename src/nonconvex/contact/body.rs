@@ -9,7 +9,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::patches::{Borne, PatchedMesh};
+use super::patches::{PatchedMesh, Valid};
 use crate::base::num::extremes::Bounded;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
@@ -237,14 +237,14 @@ impl ConvexPatches {
     /// Returns whether a contact at a point along an outward normal is valid on a patch.
     ///
     /// Point and normal are in the body's frame and the caller's unit.
-    pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, sine: f64, doubt: f64) -> Borne {
+    pub(super) fn how_valid(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, sine: f64, doubt: f64) -> Valid {
         match &self.body {
-            PatchedBody::Mesh(surface) => surface.bears(patch, point, n, sine, doubt),
+            PatchedBody::Mesh(surface) => surface.how_valid(patch, point, n, sine, doubt),
             PatchedBody::Pieces(body, tolerance) => {
                 if is_covered(body, patch, point, n, tolerance + doubt) {
-                    Borne::No
+                    Valid::No
                 } else {
-                    Borne::Fully
+                    Valid::Fully
                 }
             }
         }

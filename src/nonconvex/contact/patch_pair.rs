@@ -13,7 +13,7 @@
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use super::body::{ConvexPatches, Under, is_in};
-use super::patches::Borne;
+use super::patches::Valid;
 use super::{PatchContact, PatchQuery};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{ByValue, Extremes};
@@ -39,7 +39,7 @@ pub(super) struct NearPatches {
     tracker: ShapeTracker,
     manifold: Manifold,
     /// Bit set of the manifold points that lie on both surfaces.
-    borne: u8,
+    valid: u8,
     /// Whether no contact is deeper than the bodies: the normal is that of the hulls, and the hulls
     /// are parts of the bodies.
     is_sure: bool,
@@ -63,7 +63,7 @@ impl NearPatches {
             parts: [a.part(p)?, b.part(q)?],
             tracker: ShapeTracker::new(),
             manifold: Manifold::new(),
-            borne: 0,
+            valid: 0,
             is_sure: false,
             is_seen: false,
         })
@@ -80,7 +80,7 @@ impl NearPatches {
             parts,
             tracker,
             manifold,
-            borne,
+            valid,
             is_sure,
             ..
         } = self;
@@ -98,15 +98,15 @@ impl NearPatches {
             tracker.closest_cores(shapes[0], shapes[1], &pose, DepthMode::Full)
         });
         if is_new {
-            *borne = posed.borne(manifold);
-            *is_sure = *borne != 0 && query.a.is_whole() && query.b.is_whole();
-            if *borne == 0 && !manifold.points().is_empty() {
-                *borne = posed.by_faces(tracker, manifold);
+            *valid = posed.valid(manifold);
+            *is_sure = *valid != 0 && query.a.is_whole() && query.b.is_whole();
+            if *valid == 0 && !manifold.points().is_empty() {
+                *valid = posed.by_faces(tracker, manifold);
             }
         }
         let normal = posed.normal(manifold);
         for (k, point) in manifold.points().iter().enumerate() {
-            if *borne >> k & 1 == 1 && point.separation <= query.options.prediction {
+            if *valid >> k & 1 == 1 && point.separation <= query.options.prediction {
                 let point = posed.point(point);
                 let contact = PatchContact { patches, normal, point };
                 found(contact, *is_sure);
@@ -134,32 +134,32 @@ impl PosedPatches<'_> {
     ///
     /// It is empty if the deepest point does not. Points that nearly lie on both count if the
     /// normal is the normal of a face of a body.
-    fn borne(&self, manifold: &Manifold) -> u8 {
+    fn valid(&self, manifold: &Manifold) -> u8 {
         let Some(deepest) = manifold.deepest() else { return 0 };
         let n = self.normal(manifold);
         if deepest.separation < 0.0 && self.is_behind(&manifold.normal(), deepest) {
             return 0;
         }
         let (mut fully, mut nearly) = (0u8, 0u8);
-        let mut is_deepest_borne = false;
+        let mut is_deepest_valid = false;
         for (k, point) in manifold.points().iter().enumerate() {
-            let borne = self.how_borne(&n, &self.point(point));
-            nearly |= u8::from(borne >= Borne::Nearly) << k;
-            fully |= u8::from(borne == Borne::Fully) << k;
+            let valid = self.how_valid(&n, &self.point(point));
+            nearly |= u8::from(valid >= Valid::Nearly) << k;
+            fully |= u8::from(valid == Valid::Fully) << k;
             let is_deepest = point.separation <= deepest.separation + self.query.doubt;
-            is_deepest_borne |= borne == Borne::Fully && is_deepest;
+            is_deepest_valid |= valid == Valid::Fully && is_deepest;
         }
-        if is_deepest_borne { nearly | fully } else { 0 }
+        if is_deepest_valid { nearly | fully } else { 0 }
     }
 
     /// Returns a bit set of the manifold points that are fully valid on both bodies.
     ///
     /// It includes points at the end of a face that continues below the other face of a valley.
-    fn fully_borne(&self, manifold: &Manifold) -> u8 {
+    fn fully_valid(&self, manifold: &Manifold) -> u8 {
         let n = self.normal(manifold);
         bits(manifold, |point| {
             let point = self.point(point);
-            self.how_borne(&n, &point) == Borne::Fully || self.is_at_end(&n, &point)
+            self.how_valid(&n, &point) == Valid::Fully || self.is_at_end(&n, &point)
         })
     }
 
@@ -170,31 +170,33 @@ impl PosedPatches<'_> {
         let [p, q] = self.patches;
         let ends_a = a.ends(p, &point.point_on_a, n, *doubt);
         let ends_b = b.ends(q, &point.point_on_b, &down, *doubt);
-        (ends_a || self.borne_by_a(n, point) == Borne::Fully) && (ends_b || self.borne_by_b(n, point) == Borne::Fully)
+        (ends_a || self.valid_on_a(n, point) == Valid::Fully) && (ends_b || self.valid_on_b(n, point) == Valid::Fully)
     }
 
-    fn borne_by_a(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
+    fn valid_on_a(&self, n: &Vector3<f64>, point: &ContactPoint) -> Valid {
         let query = self.query;
         let sine = query.options.max_face_sine;
-        query.a.bears(self.patches[0], &point.point_on_a, n, sine, query.doubt)
+        query
+            .a
+            .how_valid(self.patches[0], &point.point_on_a, n, sine, query.doubt)
     }
 
-    fn borne_by_b(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
+    fn valid_on_b(&self, n: &Vector3<f64>, point: &ContactPoint) -> Valid {
         let query = self.query;
         let (down, sine) = (-query.pose.rotation().tr_mul(n), query.options.max_face_sine);
         query
             .b
-            .bears(self.patches[1], &point.point_on_b, &down, sine, query.doubt)
+            .how_valid(self.patches[1], &point.point_on_b, &down, sine, query.doubt)
     }
 
-    fn how_borne(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
-        let of_a = self.borne_by_a(n, point);
-        if of_a == Borne::No {
-            return Borne::No;
+    fn how_valid(&self, n: &Vector3<f64>, point: &ContactPoint) -> Valid {
+        let of_a = self.valid_on_a(n, point);
+        if of_a == Valid::No {
+            return Valid::No;
         }
-        let of_b = self.borne_by_b(n, point);
-        if of_b == Borne::No || point.separation < 0.0 && self.is_through(point) {
-            return Borne::No;
+        let of_b = self.valid_on_b(n, point);
+        if of_b == Valid::No || point.separation < 0.0 && self.is_through(point) {
+            return Valid::No;
         }
         of_a.min(of_b)
     }
@@ -234,17 +236,17 @@ impl PosedPatches<'_> {
             let is_nearest = self.is_nearest(is_of_a, &outcome);
             let mut trial = Manifold::new();
             tracker.manifold_by(shapes, &self.pose, self.query.options, &mut trial, |_| outcome);
-            let on_both = |trial: &Manifold| self.borne(trial) & self.on_parts(trial);
-            let mut borne = if is_nearest { on_both(&trial) } else { 0 };
-            if borne == 0
+            let on_both = |trial: &Manifold| self.valid(trial) & self.on_parts(trial);
+            let mut valid = if is_nearest { on_both(&trial) } else { 0 };
+            if valid == 0
                 && let Some(middle) = self.middle_of(is_of_a, &outcome, &trial)
             {
                 trial = ShapeTracker::manifold_of_witnesses(shapes, &self.pose, self.query.options, &middle);
-                borne = on_both(&trial);
+                valid = on_both(&trial);
             }
-            if borne != 0 {
+            if valid != 0 {
                 *manifold = trial;
-                return borne;
+                return valid;
             }
             beside = beside.or_else(|| self.beside(is_of_a, &outcome, is_nearest));
         }
@@ -252,18 +254,18 @@ impl PosedPatches<'_> {
         let (pose, options) = (&self.pose, self.query.options);
         let mut trial = Manifold::new();
         tracker.manifold_by(shapes, pose, options, &mut trial, |_| outcome);
-        let mut borne = self.fully_borne(&trial) & self.on_parts(&trial);
+        let mut valid = self.fully_valid(&trial) & self.on_parts(&trial);
         let level = trial.upper() + self.query.doubt;
-        if bits(&trial, |point| point.separation <= level) & borne == 0 {
+        if bits(&trial, |point| point.separation <= level) & valid == 0 {
             // The face continues below another one, and the manifold points of the whole face hide
             // the contact.
             trial = ShapeTracker::manifold_of_witnesses(shapes, pose, options, &outcome);
-            borne = self.fully_borne(&trial) & self.on_parts(&trial);
+            valid = self.fully_valid(&trial) & self.on_parts(&trial);
         }
-        if borne != 0 {
+        if valid != 0 {
             *manifold = trial;
         }
-        borne
+        valid
     }
 
     /// Returns the outcome at the middle of a manifold's points along the normal of a face, if the
@@ -400,7 +402,7 @@ impl PosedPatches<'_> {
         let along = |edge| {
             let [v, w] = body.edge_vertices(edge)?;
             let to = body.vertex(if v == vertex { w } else { v })?;
-            self.first_borne(is_of_a, outcome, edge, &(to - from), level)
+            self.first_valid(is_of_a, outcome, edge, &(to - from), level)
         };
         let places = body.vertex_edges(vertex).filter_map(along);
         let places = places.filter(|place| self.is_nearest(is_of_a, place));
@@ -424,7 +426,7 @@ impl PosedPatches<'_> {
     ///
     /// The search starts at the vertex of an outcome. The contact is along the outcome's normal,
     /// and its distance is at most `level`.
-    fn first_borne(
+    fn first_valid(
         &self,
         is_of_a: bool,
         outcome: &Outcome,
@@ -443,9 +445,9 @@ impl PosedPatches<'_> {
             moved
         };
         let height = |t: f64| self.witness(&at(t)).separation;
-        let is_borne = |t: f64| {
+        let is_valid = |t: f64| {
             let place = self.witness(&at(t));
-            self.is_on_parts(&place) && self.how_borne(&n, &self.point(&place)) == Borne::Fully
+            self.is_on_parts(&place) && self.how_valid(&n, &self.point(&place)) == Valid::Fully
         };
         let (first, rise) = (height(0.0), height(1.0) - height(0.0));
         let end = if rise > level - first {
@@ -457,7 +459,7 @@ impl PosedPatches<'_> {
             return None;
         }
         let (mut off, mut on) = (0.0, SHORT_EDGE.smaller(end));
-        while !is_borne(on) {
+        while !is_valid(on) {
             if on >= end {
                 return None;
             }
@@ -465,7 +467,7 @@ impl PosedPatches<'_> {
         }
         for _ in 0..EDGE_HALVINGS {
             let middle = 0.5 * (off + on);
-            *(if is_borne(middle) { &mut on } else { &mut off }) = middle;
+            *(if is_valid(middle) { &mut on } else { &mut off }) = middle;
         }
         Some(at(on))
     }

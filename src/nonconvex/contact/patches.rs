@@ -52,7 +52,7 @@ const CONE: f64 = 1.0 / 1_048_576.0;
 
 /// Whether a contact is valid on a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Borne {
+pub(super) enum Valid {
     /// Outside the patch, or along a direction that is not a normal of the mesh.
     No,
     /// On a face that is nearly perpendicular to the normal.
@@ -184,11 +184,11 @@ impl PatchedMesh {
     ///
     /// The point is in the caller's unit. `doubt` bounds its position error. `sine` is the largest
     /// angle of a face that is nearly perpendicular to the normal.
-    pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, sine: f64, doubt: f64) -> Borne {
+    pub(super) fn how_valid(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, sine: f64, doubt: f64) -> Valid {
         let place = point.coords / self.mesh.unit();
         let skin = self.slack + doubt / self.mesh.unit();
         let (mut is_outward, mut rise) = (false, 0.0f64);
-        let mut borne = None;
+        let mut valid = None;
         self.mesh.tree.any_near(&place, skin, |t| {
             let corners = self.mesh.corners(t);
             if triangle::nearest(&place, &corners).0 > skin * skin {
@@ -207,20 +207,20 @@ impl PatchedMesh {
             if self.patch_of[t as usize] == patch {
                 let off = own.cross(n).norm_squared();
                 let now = match along > 0.0 {
-                    true if off <= CONE * CONE * square => Borne::Fully,
-                    true if off <= sine * sine * square => Borne::Nearly,
-                    _ => Borne::No,
+                    true if off <= CONE * CONE * square => Valid::Fully,
+                    true if off <= sine * sine * square => Valid::Nearly,
+                    _ => Valid::No,
                 };
-                borne = borne.max(Some(now));
+                valid = valid.max(Some(now));
             }
             false
         });
-        match borne {
-            None => Borne::No,
+        match valid {
+            None => Valid::No,
             // No vertex around the point is higher: the direction is one of the normals of a convex
             // feature.
-            Some(_) if is_outward && rise <= CONE => Borne::Fully,
-            Some(borne) => borne,
+            Some(_) if is_outward && rise <= CONE => Valid::Fully,
+            Some(valid) => valid,
         }
     }
 

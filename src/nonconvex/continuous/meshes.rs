@@ -173,7 +173,7 @@ impl<'a> FrameSearch<'a> {
                 break;
             }
         }
-        self.told()
+        self.into_cast()
     }
 
     /// Searches both trees. Each contact found shortens the time that remains to be searched.
@@ -312,7 +312,7 @@ impl<'a> FrameSearch<'a> {
         TrianglesOnArcs::new([self.a, self.b], pair, self.placed)
     }
 
-    fn told(self) -> Cast {
+    fn into_cast(self) -> Cast {
         let [x, y] = self.pair;
         let pieces = [self.a.source(x), self.b.source(y)];
         let is_near = !self.is_straight() || !cfg!(feature = "exact");

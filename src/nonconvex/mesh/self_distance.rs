@@ -140,7 +140,7 @@ impl Mesh {
 
 /// Returns the outcome of a pair of triangles with a lower bound over all pairs, in the caller's
 /// unit.
-fn told(mesh: &Mesh, frame: &TreeFrame, m: &Measured<[TriangleSpot; 2]>, lower: f64) -> PairOutcome {
+fn outcome_of(mesh: &Mesh, frame: &TreeFrame, m: &Measured<[TriangleSpot; 2]>, lower: f64) -> PairOutcome {
     let answer = TreeAnswer::of_one_body(m, lower, mesh.frame, frame);
     answer.on(spots(mesh, mesh, m.pair, m.features))
 }
@@ -177,7 +177,7 @@ impl MeshTracker {
         self.ask_self(mesh, MeshGoal::Least, None, |search| {
             let best = search.best.as_ref()?;
             let lower = search.proven().at_least(0.0);
-            Some(told(mesh, search.frame, best, lower))
+            Some(outcome_of(mesh, search.frame, best, lower))
         })?
     }
 
@@ -194,7 +194,7 @@ impl MeshTracker {
         }
         let goal = MeshGoal::All(d / mesh.unit());
         let found = self.ask_self(mesh, goal, Some(d), |search| {
-            let each = |m: &Measured<_>| told(mesh, search.frame, m, m.lower);
+            let each = |m: &Measured<_>| outcome_of(mesh, search.frame, m, m.lower);
             search.found.iter().map(each).collect()
         });
         found.unwrap_or_default()

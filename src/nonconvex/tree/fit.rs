@@ -36,7 +36,7 @@ const FLAT: f64 = 0.99;
 
 /// Vertices in the tree's coordinates, found by the range of items that use them.
 struct Vertices<'a, I> {
-    places: Vec<Vector3<f64>>,
+    positions: Vec<Vector3<f64>>,
     /// The vertices in stored coordinates of the body.
     stored: &'a [Vector3<f64>],
     /// Error of a height of a stored vertex.
@@ -47,7 +47,7 @@ struct Vertices<'a, I> {
 }
 
 impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
-    fn new(places: Vec<Vector3<f64>>, stored: &'a [Vector3<f64>], doubt: f64, items: &'a [I]) -> Self {
+    fn new(positions: Vec<Vector3<f64>>, stored: &'a [Vector3<f64>], doubt: f64, items: &'a [I]) -> Self {
         let mut most = 0;
         let mut before = vec![0];
         for item in items {
@@ -55,7 +55,7 @@ impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
             before.push(most);
         }
         Self {
-            places,
+            positions,
             stored,
             doubt,
             items,
@@ -68,7 +68,7 @@ impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
     /// Vertices that the range uses first are consecutive. It shares few vertices with earlier
     /// items.
     fn visit(&self, range: &Range<usize>, visit: impl FnMut(&Vector3<f64>)) {
-        self.visit_of(&self.places, range, visit);
+        self.visit_of(&self.positions, range, visit);
     }
 
     fn visit_stored(&self, range: &Range<usize>, visit: impl FnMut(&Vector3<f64>)) {
@@ -135,13 +135,13 @@ impl Tree {
         error: f64,
     ) -> (Vertices<'a, I>, f64) {
         let scale = crate::body::polyhedron::power_of_two(-self.exponent);
-        let places: Vec<_> = points.iter().map(|p| (p - self.centre) * scale).collect();
+        let positions: Vec<_> = points.iter().map(|p| (p - self.centre) * scale).collect();
         // The error of the shift to the tree's origin.
         let farthest = points.iter().fold(self.centre.amax(), |m, p| m.larger(p.amax()));
         let slack = BOX_EXTENT * (1.0 + farthest * scale) + error * scale;
         let farthest = points.iter().fold(0.0, |m: f64, p| m.larger(p.norm_squared()));
         let doubt = SLAB_HEIGHT * sqrt(farthest) + error;
-        (Vertices::new(places, points, doubt, items), slack)
+        (Vertices::new(positions, points, doubt, items), slack)
     }
 
     fn set_reach(&mut self) {
@@ -324,7 +324,10 @@ fn largest_triangle<I: AsRef<[u32]>>(
     vertices: &Vertices<I>,
 ) -> Option<([Vector3<f64>; 3], Vector3<f64>)> {
     let normal = |item: &I| {
-        let corners = item.as_ref().first_chunk::<3>()?.each(|v| vertices.places[v as usize]);
+        let corners = item
+            .as_ref()
+            .first_chunk::<3>()?
+            .each(|v| vertices.positions[v as usize]);
         let [a, b, c] = corners;
         Some((corners, (b - a).cross(&(c - a))))
     };

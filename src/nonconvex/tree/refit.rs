@@ -93,7 +93,7 @@ pub(crate) struct Refit {
     large: usize,
     others: Arc<[u32]>,
     corners: GroupCorners,
-    places: Places,
+    positions: VertexPositions,
     /// The longest step of a vertex below each node, in path units.
     steps: Vec<u32>,
 }
@@ -136,7 +136,7 @@ impl Refit {
             large,
             others: others.into(),
             corners,
-            places: Places::default(),
+            positions: VertexPositions::default(),
             steps: Vec::new(),
         }
     }
@@ -149,7 +149,7 @@ impl Refit {
         let (mut reach, mut is_whole) = (0.0f32, true);
         let groups = GroupFit {
             tree,
-            places: &self.places,
+            positions: &self.positions,
             corners: &self.corners,
             others: &self.others,
             slack,
@@ -159,7 +159,7 @@ impl Refit {
             if eight.nodes.iter().all(|node| self.steps[*node as usize] == 0) {
                 is_whole = false;
             } else if k < self.large {
-                reach = reach.larger(eight.fit(&self.places, &self.others, slack, boxes));
+                reach = reach.larger(eight.fit(&self.positions, &self.others, slack, boxes));
             } else {
                 reach = reach.larger(groups.fit(eight, boxes, &mut memory));
             }
@@ -244,7 +244,7 @@ impl Tree {
     /// `steps` bounds how far each vertex has moved, in path units.
     pub(crate) fn refit(&mut self, refit: &mut Refit, points: &[Vector3<f64>], items: &[[u32; 3]], steps: &[u32]) {
         let scale = crate::body::polyhedron::power_of_two(-self.exponent);
-        let far = refit.places.take(points, &self.centre, scale);
+        let far = refit.positions.take(points, &self.centre, scale);
         // Coordinates are at most the coordinates of the origin plus `far`.
         let slack = up(BOX_EXTENT * (1.0 + 2.0 * far + self.centre.amax() * scale) + REFIT_HEIGHT * far);
         refit.spread_steps(self, steps, items);
@@ -349,7 +349,7 @@ impl GroupCorners {
 /// Computes the boxes of groups.
 struct GroupFit<'a> {
     tree: &'a Tree,
-    places: &'a Places,
+    positions: &'a VertexPositions,
     corners: &'a GroupCorners,
     /// The vertices of nodes that are not consecutive.
     others: &'a [u32],
@@ -377,7 +377,7 @@ impl GroupMemory {
 impl GroupFit<'_> {
     /// Computes the boxes of eight groups. Returns their radius around the tree's origin.
     fn fit(&self, eight: &EightAtRest, boxes: &mut [OrientedBox], memory: &mut GroupMemory) -> f32 {
-        let (axes, mut reach) = (eight.stored_axes(self.places, boxes), 0.0f32);
+        let (axes, mut reach) = (eight.stored_axes(self.positions, boxes), 0.0f32);
         for (lane, (&node, below)) in eight.nodes.iter().zip(&eight.below).enumerate() {
             if lane == 0 || node != eight.nodes[lane - 1] {
                 let axes = BoxAxes::new(axes.each(|axis| axis.each(|x| x[lane])));
@@ -399,7 +399,7 @@ impl GroupFit<'_> {
         let others = &self.others[below.others[0] as usize..below.others[1] as usize];
         let vertices = (below.own[0]..below.own[1]).chain(others.iter().copied());
         for (heights, vertex) in heights.iter_mut().zip(vertices) {
-            *heights = self.places.heights_of(vertex, axes);
+            *heights = self.positions.heights_of(vertex, axes);
         }
         // The root, then the nodes below it. Children have higher indices than their parents.
         let first = match self.tree.below(root) {
@@ -448,12 +448,12 @@ type Columns = [[f64x8; 3]; 3];
 ///
 /// They are stored both by vertex and by coordinate.
 #[derive(Clone, Debug, Default)]
-struct Places {
+struct VertexPositions {
     rows: Vec<f32x4>,
     columns: [Vec<f32>; 3],
 }
 
-impl Places {
+impl VertexPositions {
     /// Takes new positions; returns an upper bound of their distances from the tree's origin.
     fn take(&mut self, points: &[Vector3<f64>], centre: &Vector3<f64>, scale: f64) -> f64 {
         self.rows.resize(points.len(), f32x4::ZERO);
@@ -555,13 +555,13 @@ impl EightAtRest {
     ///
     /// `others` lists the vertices that are not consecutive. Returns the radius of the boxes around
     /// the tree's origin.
-    fn fit(&self, places: &Places, others: &[u32], slack: f32, boxes: &mut [OrientedBox]) -> f32 {
-        let (axes, mut reach) = (self.stored_axes(places, boxes), 0.0f32);
+    fn fit(&self, positions: &VertexPositions, others: &[u32], slack: f32, boxes: &mut [OrientedBox]) -> f32 {
+        let (axes, mut reach) = (self.stored_axes(positions, boxes), 0.0f32);
         for (lane, below) in self.below.iter().enumerate() {
             let axes = BoxAxes::new(axes.each(|axis| axis.each(|x| x[lane])));
             let own = below.own[0] as usize..below.own[1] as usize;
             let others = &others[below.others[0] as usize..below.others[1] as usize];
-            let (low, high) = places.heights(own, others, &axes);
+            let (low, high) = positions.heights(own, others, &axes);
             let fitted = axes.fitted(low, high, slack);
             reach = reach.larger(fitted.reach());
             boxes[self.nodes[lane] as usize] = fitted;
@@ -574,8 +574,8 @@ impl EightAtRest {
     /// They are rotated with the three vertices. If these have no frame now, the previous axes
     /// stay.
     #[inline(always)]
-    fn stored_axes(&self, places: &Places, boxes: &[OrientedBox]) -> StoredAxes {
-        let (axes, exists) = self.axes(places);
+    fn stored_axes(&self, positions: &VertexPositions, boxes: &[OrientedBox]) -> StoredAxes {
+        let (axes, exists) = self.axes(positions);
         let mut stored = axes.each(|axis| axis.each(|x| x.to_array().each(|x| x as f32)));
         for lane in (0..LANES).filter(|lane| !exists[*lane]) {
             let old = &boxes[self.nodes[lane] as usize].rows;
@@ -588,8 +588,8 @@ impl EightAtRest {
 
     /// Returns the axes in double precision, and which of them exist.
     #[inline(always)]
-    fn axes(&self, places: &Places) -> (Columns, [bool; LANES]) {
-        let at = |k: usize| places.gather(&self.three[k]).each(double);
+    fn axes(&self, positions: &VertexPositions) -> (Columns, [bool; LANES]) {
+        let at = |k: usize| positions.gather(&self.three[k]).each(double);
         let (a, b, c) = (at(0), at(1), at(2));
         let (side, other) = (sub(&b, &a), sub(&c, &a));
         let normal = cross(&side, &other);

@@ -338,7 +338,7 @@ impl QueryDispatcher for CertifiedDispatcher {
             (_, Some(c)) => cast_shapes_nonlinear_shape_composite_shape(self, x, a, y, c, 0.0, end, stop),
             _ => DefaultQueryDispatcher.cast_shapes_nonlinear(x, a, y, b, 0.0, end, stop)?,
         };
-        Ok(hit.map(|hit| asked.told(hit)))
+        Ok(hit.map(|hit| asked.in_callers_time(hit)))
     }
 }
 

@@ -263,8 +263,8 @@ mod tests {
                         p.dist > asked && f64::from(p.dist) <= true_gap + f64::from(close),
                         "{p:?} {true_gap}"
                     );
-                    let told = (pos12 * p.local_p2 - p.local_p1).dot(out.local_n1);
-                    assert!((told - p.dist).abs() < close, "{told} {p:?}");
+                    let reported = (pos12 * p.local_p2 - p.local_p1).dot(out.local_n1);
+                    assert!((reported - p.dist).abs() < close, "{reported} {p:?}");
                     assert!((pos12.rotation * out.local_n2 + out.local_n1).length() < 1e-5);
                     // A normal that is longer, or none, proves nothing.
                     for bad in [out.local_n1 * 1.01, Vector::ZERO, Vector::splat(Real::NAN)] {

@@ -198,7 +198,7 @@ impl Turning {
     }
 
     /// Converts a hit to the caller's time.
-    pub(super) fn told(&self, hit: ShapeCastHit) -> ShapeCastHit {
+    pub(super) fn in_callers_time(&self, hit: ShapeCastHit) -> ShapeCastHit {
         let time_of_impact = self.from + hit.time_of_impact * self.span;
         ShapeCastHit { time_of_impact, ..hit }
     }

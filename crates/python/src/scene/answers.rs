@@ -141,7 +141,9 @@ impl Scene {
     /// A change is a text such as "overlap began", "came within" or "boxes parted".
     fn events(&self) -> Vec<(String, u64, u64)> {
         let reported = self.0.events().iter();
-        reported.map(|e| (e.change.to_string(), number(e.a), number(e.b))).collect()
+        reported
+            .map(|e| (e.change.to_string(), number(e.a), number(e.b)))
+            .collect()
     }
 
     /// Returns the first contacts, and first times within a distance, of the last `advance`.

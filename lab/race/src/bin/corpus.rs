@@ -97,8 +97,8 @@ fn ours(o: &Outcome) -> Answer {
 
 fn walk(p: &Pair) -> Answer {
     let pose = between(&p.poses[0], &p.poses[1]);
-    let told = Tracker::new().propose(&p.a, &p.b, &pose);
-    told.distance.map_or(Answer::Overlap, Answer::Distance)
+    let reported = Tracker::new().propose(&p.a, &p.b, &pose);
+    reported.distance.map_or(Answer::Overlap, Answer::Distance)
 }
 
 fn certified(p: &Pair) -> Answer {
@@ -176,17 +176,17 @@ fn grade(c: &Case, engine: &Engine, there: &Pair, back: &Pair) -> Option<usize> 
     ways.into_iter().flatten().min().or(apart.then_some(5))
 }
 
-/// Returns the failure of one answer; `told` is `None` for an overlap of unknown depth.
-fn fault(c: &Case, told: Option<f64>, truth: Option<f64>, slack: f64) -> Option<usize> {
-    if told.is_some_and(f64::is_nan) {
+/// Returns the failure of one answer; `reported` is `None` for an overlap of unknown depth.
+fn fault(c: &Case, reported: Option<f64>, truth: Option<f64>, slack: f64) -> Option<usize> {
+    if reported.is_some_and(f64::is_nan) {
         return Some(2);
     }
     let near = truth.is_some_and(|t| t.abs() <= 1e-12 * c.size());
-    let overlaps = told.is_none_or(|d| d < 0.0);
+    let overlaps = reported.is_none_or(|d| d < 0.0);
     if !near && overlaps != (c.state == truth::ContactState::Overlapping) {
         return Some(3);
     }
-    let off = told.zip(truth).is_some_and(|(d, t)| (d - t).abs() > slack);
+    let off = reported.zip(truth).is_some_and(|(d, t)| (d - t).abs() > slack);
     off.then_some(4)
 }
 
@@ -229,9 +229,9 @@ fn table(cases: &[Case], list: bool) -> Table {
             if let Some(way) = grade(c, engine, &there, &back) {
                 score.ways[way] += 1;
                 if list {
-                    let told = [&there, &back].map(|p| (engine.ask)(p));
+                    let reported = [&there, &back].map(|p| (engine.ask)(p));
                     eprintln!(
-                        "{}: {} ({}), truth {:?}: {told:?}",
+                        "{}: {} ({}), truth {:?}: {reported:?}",
                         engine.name, c.name, WAYS[way], c.distance
                     );
                 }

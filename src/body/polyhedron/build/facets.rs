@@ -212,13 +212,13 @@ mod tests {
             let most = 2 * (usize::BITS - corners.leading_zeros()) + 3;
             let ask = |p: [i64; 2]| {
                 let mut looks = 0;
-                let told = is_on_rim(corners, |i, j| {
+                let reported = is_on_rim(corners, |i, j| {
                     looks += 1;
                     let ([ax, ay], [bx, by]) = (at(i), at(j));
                     ((bx - ax) * (p[1] - ay) - (by - ay) * (p[0] - ax)) as f64
                 });
                 assert!(looks <= most, "{looks} looks at {corners} corners");
-                told
+                reported
             };
             for k in 0..corners {
                 let ([ax, ay], [bx, by]) = (at(k), at((k + 1) % corners));

@@ -183,12 +183,12 @@ fn scene(svg: &mut Svg) -> Result<(), Trouble> {
     svg.dot(p, 3.5, &format!("fill=\"{INK}\""));
     svg.words([20.0, 30.0], 17, "start", "the closest features are tracked");
     let steps: u32 = seen.iter().map(|o| o.work.steps).sum();
-    let told = format!(
+    let reported = format!(
         "{} frames, {} features of A met, {steps} looks in all",
         seen.len(),
         trail.len()
     );
-    svg.words([20.0, 396.0], 13, "start", &told);
+    svg.words([20.0, 396.0], 13, "start", &reported);
     svg.words(
         [20.0, 414.0],
         13,

@@ -190,13 +190,13 @@ pub(crate) fn walk() -> Result<String, Trouble> {
             &format!("fill=\"{}\"", if last { GREEN } else { ORANGE }),
         );
         let middle = left + width / 2.0 - 8.0;
-        let told = if last {
+        let reported = if last {
             "inside: closest"
         } else {
             "outside: on to the neighbour"
         };
         svg.words([middle, 32.0], 14, "middle", &format!("{}. {feature}", k + 1));
-        svg.words([middle, 314.0], 13, "middle", told);
+        svg.words([middle, 314.0], 13, "middle", reported);
         let rim = format!(
             "fill=\"none\" stroke=\"{}\" stroke-width=\"1\"",
             if last { BLUE } else { SKY }

@@ -115,11 +115,11 @@ pub(crate) fn picture() -> Result<String, Trouble> {
         let left = 16.0 + k as f64 * (side + 22.0);
         let misses = map.draw(&mut svg, left, &truth);
         svg.words([left + side / 2.0, 28.0], 14, "middle", map.title);
-        let told = match k {
+        let reported = match k {
             0 => "the truth".to_owned(),
             _ => format!("{misses} of {} wrong", truth.len()),
         };
-        svg.words([left + side / 2.0, 258.0], 13, "middle", &told);
+        svg.words([left + side / 2.0, 258.0], 13, "middle", &reported);
     }
     for (x, colour, word) in [
         (16.0, APART, "apart"),

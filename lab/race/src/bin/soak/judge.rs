@@ -216,7 +216,7 @@ impl Judge {
         let (p, q, n) = parts(o);
         let between = sub(f.relative().apply(q), p);
         let aside = norm(sub(between, scale(n, dot(n, between))));
-        let told = [
+        let reported = [
             (
                 o.upper >= s.gap - rounding,
                 "the upper bound is below the gap along the normal",
@@ -246,7 +246,7 @@ impl Judge {
             ),
         ];
         // Comparisons with NaN are false.
-        let fault = told.iter().find(|(holds, _)| !holds)?.1;
+        let fault = reported.iter().find(|(holds, _)| !holds)?.1;
         Some(format!("{fault}: {s:?}, size {size:e}"))
     }
 
@@ -269,8 +269,8 @@ impl Judge {
             let opposite = edges || aside(apart) <= of_witnesses + width;
             !(off <= width && opposite && (dot(n, apart) - c.separation).abs() <= width)
         });
-        let told = wrong.map(|c| format!("a contact off its bodies or not opposite: {c:?}"));
-        told.or_else(|| m.points().is_empty().then(|| "no contact".into()))
+        let reported = wrong.map(|c| format!("a contact off its bodies or not opposite: {c:?}"));
+        reported.or_else(|| m.points().is_empty().then(|| "no contact".into()))
     }
 
     /// Searches directions that show a smaller depth or a greater distance than the outcome allows.
@@ -338,7 +338,7 @@ fn contradiction(o: &Outcome) -> Option<&'static str> {
         ContactState::Touching => o.lower <= 0.0 && o.upper >= 0.0,
         _ => false,
     };
-    let told = [
+    let reported = [
         (finite, "a number is not finite"),
         (
             o.lower <= o.distance && o.distance <= o.upper,
@@ -347,7 +347,7 @@ fn contradiction(o: &Outcome) -> Option<&'static str> {
         (classed, "the contact state contradicts the bounds"),
         ((norm(n) - 1.0).abs() <= 16.0 * UNIT, "the normal is not of unit length"),
     ];
-    told.iter().find(|(holds, _)| !holds).map(|t| t.1)
+    reported.iter().find(|(holds, _)| !holds).map(|t| t.1)
 }
 
 /// Compares an outcome with the true distance, exactly.
