@@ -52,6 +52,27 @@ fn files_of_the_readme_exist() {
         .for_each(|name| assert!(!bytes(name).is_empty(), "{name} is empty"));
 }
 
+/// A page that is longer belongs into the documentation of the crate, into `-h`, or into `docs/`.
+#[test]
+fn first_pages_are_short() {
+    let names = super::pages::pages();
+    let of_members = |page: &&String| {
+        ["crates/", "lab/"].iter().any(|folder| page.starts_with(folder))
+            && page.ends_with("/README.md")
+            && page.matches('/').count() == 2
+    };
+    let members: Vec<&String> = names.iter().filter(of_members).collect();
+    assert!(members.len() > 13, "{members:?}");
+    let limit = |page: &str| if page == "crates/cli/README.md" { 150 } else { 100 };
+    let pages = members.into_iter().map(|page| (page.as_str(), limit(page)));
+    let long: Vec<_> = pages
+        .chain([("README.md", 100), ("BENCHMARKS.md", 250)])
+        .map(|(page, limit)| (page, read(page).lines().count(), limit))
+        .filter(|(_, lines, limit)| lines > limit)
+        .collect();
+    assert!(long.is_empty(), "page, lines, limit: {long:?}");
+}
+
 /// Every `cargo ... --test NAME`, `--example NAME` and `--bin NAME` of a page exists in a package. The
 /// records and CHANGELOG.md name programs of their day.
 #[test]

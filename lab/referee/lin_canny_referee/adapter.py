@@ -1,4 +1,35 @@
-"""What an adapter is: it asks one engine one case, and says what the engine promises."""
+"""What an adapter is: it asks one engine one case, and says what the engine promises.
+
+This one asks an imaginary package:
+
+    import time
+
+    import imaginary
+
+    from lin_canny_referee import Adapter, Answer, Tolerance
+
+
+    class Engine(Adapter):
+        package = "imaginary"  # whose version the table states
+        precision = "double"  # "single" if it stores points or poses so
+        options = {"default": "", "careful": "1,000 iterations"}
+        tolerance = Tolerance(absolute=1e-6, relative=1e-6)  # as its documentation says
+        answers = ("distance", "depth", "points", "normal")
+        code = '''import imaginary
+    a, b = imaginary.Hull({a}), imaginary.Hull({b})
+    print(imaginary.distance(a, {ta}, {qa}, b, {tb}, {qb}).distance)'''
+
+        def body(self, points, faces):
+            return imaginary.Hull(points)  # raise if the body is refused
+
+        def ask(self, a, pose_a, b, pose_b):
+            xa = imaginary.Transform(pose_a.position, pose_a.quaternion)
+            xb = imaginary.Transform(pose_b.position, pose_b.quaternion)
+            start = time.perf_counter_ns()
+            r = imaginary.distance(a, xa, b, xb, limit=1000 if self.careful else 50)
+            ns = time.perf_counter_ns() - start
+            return Answer(r.distance, r.point_a, r.point_b, r.normal, ns)
+"""
 
 from __future__ import annotations
 
