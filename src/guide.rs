@@ -20,6 +20,9 @@ pub mod meshes {}
 #[doc = include_str!("../images/overlap.svg")]
 pub mod overlaps {}
 
+#[doc = include_str!("../docs/clashes.md")]
+pub mod clashes {}
+
 #[doc = include_str!("../docs/curved_shapes.md")]
 #[doc = ""]
 #[doc = include_str!("../images/curved.svg")]
@@ -29,6 +32,9 @@ pub mod curved_shapes {}
 #[doc = ""]
 #[doc = include_str!("../images/casts.svg")]
 pub mod time_of_impact {}
+
+#[doc = include_str!("../docs/robots.md")]
+pub mod robots {}
 
 #[doc = include_str!("../docs/accuracy.md")]
 #[doc = ""]
