@@ -164,6 +164,18 @@ fn public_names_are_those_of_the_glossary() {
 }
 
 #[test]
+fn the_glossary_has_at_most_30_terms() {
+    let page = read_to_string(crate::root().join("ARCHITECTURE.md")).expect("a page");
+    let glossary = page.split("\n## ").find(|section| section.starts_with("Glossary\n"));
+    let rows = glossary
+        .expect("a glossary")
+        .lines()
+        .filter(|line| line.starts_with("| "));
+    let count = rows.filter(|line| !line.contains("term |")).count();
+    assert!((8..=30).contains(&count), "{count}");
+}
+
+#[test]
 fn names_are_read() {
     let rust = "pub enum Answer {\n    Kept {\n        safe: f64,\n    },\n}\nimpl Scene {\n    pub fn ignore_pair() {}\n}\n\
                 pub struct Row {\n    pub margin: f64,\n    own: f64,\n}\n";
