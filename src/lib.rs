@@ -69,7 +69,7 @@
 //!
 //! | question | call | answer |
 //! |---|---|---|
-//! | The same for any two geometries: do two meshes overlap, how far apart are a mesh and a ball? | [`PairTracker`]: `intersects`, `within`, `distance`, `closest` | `bool`, [`Distance`], [`PairOutcome`] with the piece, triangle or patch of each witness; overlaps of meshes, compounds and surfaces have distance 0, but their depth in a half-space is exact |
+//! | Do any two geometries overlap, and how far apart are they: two meshes, or a mesh and a ball? | [`PairTracker`]: `intersects`, `within`, `distance`, `closest` | `bool`, [`Distance`], [`PairOutcome`] with the piece, triangle or patch of each witness; overlaps of meshes, compounds and surfaces have distance 0, but their depth in a half-space is exact |
 //! | Where do any two bodies but Bézier surfaces touch? How deep do two solids overlap? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`ContactGroup`]: points with one normal, for gaps up to a prediction and shallow overlaps; [`PenetrationBounds`]: an interval |
 //! | How much of two solids overlaps? In which curves do their surfaces cross? | [`PairTracker::overlap`], [`overlap_loops`](PairTracker::overlap_loops) | [`OverlapVolume`]: proven bounds of the shared volume for all ties, and its centre of mass; [`OverlapLoops`]: closed polylines, and the area of each face inside the other solid |
 //! | How far is a mesh from itself, and which of its triangles are close? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`PairOutcome`]s, for triangles that share no vertex |
@@ -160,7 +160,7 @@
 //! judge the proposal: the distance of any two points of the bodies is an *upper* bound, and for
 //! any unit vector n the gap between the supporting planes perpendicular to n, least `n . b` minus
 //! greatest `n . a`, is a *lower* bound. At the closest points, with n along the line between them,
-//! the two bounds are equal. The crate computes both, adds the error of its own rounding, and
+//! the two bounds are equal. The crate computes both, adds the error of its rounding, and
 //! returns [`Outcome::lower`] and [`Outcome::upper`]. If the bounds do not meet, finer solvers take
 //! over: [`Outcome::solver`] names the solver that answered.
 //!
@@ -280,7 +280,7 @@
 //! 3. Voronoi regions are not flared. If rounding ends a walk early or at the wrong pair, the
 //!    certificate fails and the next solver runs.
 //! 4. Every answer carries bounds (the duality gap of Gilbert, Johnson and Keerthi 1988).
-//! 5. Behind the walk stand solvers that do not walk; no answer is lost to a cycle.
+//! 5. If the walk fails, solvers that do not walk follow, so no answer is lost to a cycle.
 //! 6. Overlapping bodies are an answer with a depth and a proof, not a walk that never ends.
 // Without surfaces or exact arithmetic, code that only they use is dead.
 #![cfg_attr(docsrs, feature(doc_cfg))]

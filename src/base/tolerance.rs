@@ -1,6 +1,6 @@
 //! Bounds of rounding errors and limits of range. Each is a constant of this module with its
-//! derivation beside it, in the source; this page tells what they have in common. Thresholds that
-//! only steer work change no answer, and stand elsewhere.
+//! derivation next to it, in the source; this page states what they have in common. Thresholds that
+//! only steer work change no answer, and are elsewhere.
 //!
 //! Derivations count relative roundings, as they are of normal numbers. Errors by underflow are
 //! absolute, and fall under one of five cases:
@@ -13,7 +13,7 @@
 //!   `2^-1002`: far more, and each derivation has room for it. Translations are read in the
 //!   caller's unit, which is at most `2^420` stored ones: translations lose less than `2^-652`, and
 //!   L of bodies so small is `2^-105` or more.
-//! * **P, poses**: products of coordinates of a quaternion lose at most `2^-1075` beside a norm of
+//! * **P, poses**: products of coordinates of a quaternion lose at most `2^-1075` against a norm of
 //!   one.
 //! * **D, directions** of length one and edges, for signs: stored coordinates are multiples of
 //!   `2^-357` (`FLUSH_EXPONENT`), directions are of length one or longer than `ON_BOUNDARY` times
@@ -57,7 +57,7 @@
 //!
 //! The kernels are transcribed once more in `lab/proofs/src`, over any kind of number. With f64 a
 //! transcription agrees with the crate bit for bit. With polynomials of errors in exact rationals
-//! it yields a bound for all inputs: *proved*, below, beside what the constant, or a part of its
+//! it yields a bound for all inputs: *proved*, below, next to what the constant, or a part of its
 //! derivation, *allows*. With numbers that carry their own error it is attacked from below:
 //! *found* is the largest error that a search of some seconds meets, far from the bound where
 //! many roundings would have to conspire. All are in roundings of the format: `UNIT`,
@@ -69,7 +69,7 @@
 //!   distance: displaced bodies and what is computed of them, as a polynomial of both radii and the
 //!   distance, which is compared with their sum, so that how the parts add up is proved too. The
 //!   rows of polyhedra hold for pieces and triangles of meshes, which are placed and measured by
-//!   the same kernels. Curved shapes are ellipsoids, cylinders, cones and polyhedra beside them.
+//!   the same kernels. Curved shapes are ellipsoids, cylinders, cones and polyhedra with them.
 //!   What an error of a quaternion does to its matrix is proved by identities of polynomials.
 //! * **Underflow**: the cases above are tests, kernel by kernel, as is the largest product of each
 //!   row of the table of degrees, with the scale at which the largest of all leaves the range.
@@ -296,7 +296,7 @@ pub(crate) const REPEATED_NORMAL: f64 = f64::from_bits((1023 - 20) << 52);
 /// lengths, as volumes are, stay above the least f64.
 pub(crate) const EXTENT_MIN: f64 = 1e-100;
 
-/// Least extent of a part of a body, of which no volume is asked: `2^-500`. The stored unit of a
+/// Least extent of a part of a body, of which no volume is computed: `2^-500`. The stored unit of a
 /// part is the one of a body of extent [`EXTENT_MIN`], since `2^-525 < 2^-500` ([`EXPONENT_FREE`]),
 /// and the square of such a length is a normal number.
 pub(crate) const PART_EXTENT_MIN: f64 = f64::from_bits((1023 - 500) << 52);
@@ -602,7 +602,7 @@ pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
 
 /// Error of the height of a vertex over the centre of a box that is fitted again, along an axis of
 /// the box, in units of the farthest vertex's distance from the tree's origin, with v =
-/// UNIT_SINGLE: the place of the vertex is rounded, v of it; a sum of three products errs by 3 v of
+/// UNIT_SINGLE: the vertex is rounded, v of it; a sum of three products errs by 3 v of
 /// the product of the lengths, and the axis is longer than one by 2 v. The centre, which three
 /// heights put together, is at most sqrt 3 as far, and exact as stored: its height errs by 3 sqrt 3
 /// v; the difference of both by 1 + sqrt 3. Sum: below 12 v.
@@ -630,7 +630,7 @@ pub(crate) const BOX_SKEW: f64 = 9.0 * UNIT_SINGLE;
 ///    more; the part of the other box by 33 v h; the root and the quotient by 5 v. Sum: below 16 L
 ///    + 11 sqrt(3) rA + 33 sqrt(3) rB + 5 L, below 79 v L.
 /// 4. Along a direction c of any length, a cross product of axes or a direction known before: the
-///    gap along it is a proof whatever c is, so only the arithmetic behind c counts, in units of
+///    gap along it is a proof for any c, so only the arithmetic behind c counts, in units of
 ///    `|c|`. The height errs by 10 v L of the difference and 3 v L of its product. The reach of A
 ///    errs by 3 v of the sum of its half extents, at most 3 rA, and by 3 v of itself, at most
 ///    sqrt(3) rA; that of B by 7 v more for the axes. Two differences of terms up to sqrt(3) L err
@@ -712,7 +712,7 @@ pub(crate) const SLAB_HEIGHT: f64 = 12.0 * UNIT;
 /// vector by up to twice that, 34 UNIT.
 /// The vector is `v + 2 w (q x v) + 2 q x (q x v)`: a cross product errs by `2 sqrt(2)` UNIT of the
 /// product of the lengths, so the first by 5.7 UNIT with the factor, the second, of a vector up to
-/// `2 |v|`, by as much of its own and of the first one's error, the product with w by 2, and the
+/// `2 |v|`, by as much of itself and of the first one's error, the product with w by 2, and the
 /// sums of terms up to `2 |v|` by 7: 26.1 UNIT. The translation adds UNIT of the sum. Sum: 61.1.
 pub(crate) const PLACED_PIECE: f64 = 64.0 * UNIT;
 
@@ -722,7 +722,7 @@ pub(crate) const PLACED_PIECE: f64 = 64.0 * UNIT;
 /// below, the bounds are no wider than `512 + 2 * 128 = 768` UNIT L, less than `1e-13 L`, 900.
 pub(crate) const SHORT_OF: f64 = 512.0 * UNIT;
 
-/// Error of the place of a ball's middle by a pose of the caller, in units of the 1-norm of the
+/// Error of the position of a ball's middle by a pose of the caller, in units of the 1-norm of the
 /// middle in the body's frame: a quaternion whose square is off one by [`POSE_UNIT`] puts it off by
 /// twice as much, and is rounded by some thirty UNIT, far less than the rest.
 pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
@@ -732,7 +732,7 @@ pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
 /// difference, the product with the direction, which is of unit length within 4 UNIT, the foot, its
 /// length and the sums err by 34 UNIT together. The rate at which a ray sinks towards a half-space
 /// errs by 63: the turned normal by 60 (see [`PLACED_PIECE`]), the product with the direction by 3.
-/// A height of a place of the ray in a mesh's frame along a unit vector, minus that of a corner,
+/// A height of a point of the ray in a mesh's frame along a unit vector, minus that of a corner,
 /// errs by 46: the place, a relative translation, by 31 (see [`CERTIFICATE`]), and by 4 of the
 /// direction; products, the difference and the vector's length by the rest.
 pub(crate) const RAY: f64 = 64.0 * UNIT;
@@ -784,7 +784,7 @@ pub(crate) const WEIGHT_RATIO: f64 = 1.0 / (1u64 << 40) as f64;
 /// the division: 84; the product of weight and coordinate, doubled, and the division: 3 more.
 pub(crate) const PATCH_POINT: f64 = 96.0 * UNIT;
 
-/// Error of a control point of a node, times R, beside [`NET_STEP`]: the product of weight and
+/// Error of a control point of a node, times R, besides [`NET_STEP`]: the product of weight and
 /// coordinate, doubled, and the division 3 UNIT, and room.
 pub(crate) const NET: f64 = 4.0 * UNIT;
 
@@ -815,7 +815,7 @@ pub(crate) const KNOTS: f64 = 160.0 * UNIT;
 pub(crate) const SURFACE_POINT: f64 = PATCH_POINT + if RAISED > KNOTS { RAISED } else { KNOTS };
 
 /// Error of the distance of a point from a convex shape, in units of the largest distance of the
-/// shape's points from its origin, beside the shape's own bounds and
+/// shape's points from its origin, besides the shape's bounds and
 /// [`CERTIFICATE`]: the relative rotation as a product of two quaternions,
 /// eight roundings, normalised with eight more, twice as many for the turned vector, and room.
 pub(crate) const SHAPE_POINT: f64 = 64.0 * UNIT;
@@ -835,7 +835,7 @@ pub(crate) const SEAM: f64 = 1024.0 * UNIT;
 /// 2. The value by de Casteljau: `3 d`. A first derivative: differences up to 2 G with one
 ///    rounding, `3 d` roundings each, times p or q: both together `6 d^2 + 2 d`.
 /// 3. The sums of the three bounds, numbers up to `4 d^2 G`, have up to four roundings each:
-///    `16 d^2`. The quotients, which may be larger, are rounded up; beside a first derivative they
+///    `16 d^2`. The quotients, which may be larger, are rounded up; next to a first derivative they
 ///    matter only as far as they are no larger than that.
 ///
 /// Together below `24 d^2 + 5 d`, and d is at least 2.
@@ -900,7 +900,7 @@ pub(crate) const EDGE_SIGN: f64 = 8.0 * UNIT;
 pub(crate) const STEEPER: f64 = 16.0 * UNIT;
 
 /// A rise below this is certain of no sign (case D). An exact direction that is rounded to f64 may
-/// be off by `2^-900` of its largest coordinate beside the roundings (`exact::integer::direction`).
+/// be off by `2^-900` of its largest coordinate plus the roundings (`exact::integer::direction`).
 /// An edge is shorter than `2^107`, so three coordinates put a rise off by less than `2^-790`, and
 /// underflow of three products by `2^-1073`. A rise to which the largest coordinate of a direction
 /// contributes has a bound above `2^-563`, so this guard decides nothing there.
@@ -1000,7 +1000,7 @@ pub(crate) const SLANT: f64 = 32.0 * UNIT;
 /// The distance of two features in closed form (`solve::closed_form`) errs by this times
 /// `UNIT_DOUBLE_DOUBLE`, L, and for heights over a plane the lengths of the two edges over that of
 /// their normal: by 57 for two vertices, most of it for the placing of one by both rotations, 69
-/// beside an edge, 66 over a face, and 166 for two edges, of which one is turned by both rotations.
+/// at an edge, 66 over a face, and 166 for two edges, of which one is turned by both rotations.
 #[cfg(feature = "exact")]
 pub(crate) const CLOSED_FORM: f64 = 256.0;
 

@@ -60,7 +60,7 @@ const WIDTH: f64 = 1.0 / (1u64 << 30) as f64;
 #[cfg(feature = "surfaces")]
 const SPLITS: usize = 20_000;
 
-/// Largest number of splits of a surface, whatever the caller requests.
+/// Largest number of splits of a surface, for any request of the caller.
 #[cfg(feature = "surfaces")]
 const MOST_SPLITS: usize = 1 << 22;
 

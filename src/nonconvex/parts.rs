@@ -134,7 +134,7 @@ pub(crate) trait Parted {
     fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
 
     /// Returns [`part`](Self::part) in a frame about the stored origin: shape and pose are near
-    /// this origin, whatever their coordinates in the body.
+    /// this origin, for all coordinates in the body.
     fn stored_part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
 
     /// Returns the pose of an item whose shape is that of other items; `None` for other items.

@@ -351,7 +351,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         f64::INFINITY
     }
 
-    /// Returns the time of two leaves, each pair of items along a direction of its own.
+    /// Returns the time of two leaves, each pair of items along its direction.
     ///
     /// Returns infinity if all pairs last for `goal`. `time` is that of the leaves as wholes.
     fn time_of_items(

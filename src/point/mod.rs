@@ -121,7 +121,7 @@ impl From<Stopped> for PointError {
 /// assert_eq!(found.state, ContactState::Separated);
 /// assert!(found.lower <= 2.0 && 2.0 <= found.upper);
 /// assert_eq!(found.normal, Vector3::z_axis());
-/// // One step of the last place beside a face: the side is exact.
+/// // One step of the last place next to a face: the side is exact.
 /// assert!(query.contains(&Point3::new(0.1, 0.2, 1.0))?);
 /// assert!(!query.contains(&Point3::new(0.1, 0.2, 1.0_f64.next_up()))?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

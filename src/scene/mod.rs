@@ -147,7 +147,7 @@
 //! # Fixed bodies
 //!
 //! Two bodies that are both [`fixed`](Body::fixed) are not a pair: a scene of fixed bodies alone
-//! finds nothing, whatever queries are enabled. The report of a step counts the pairs that were
+//! finds nothing, for all enabled queries. The report of a step counts the pairs that were
 //! left out ([`StepWork::fixed_left_out`]). [`PairQueries::fixed`](field@PairQueries::fixed)
 //! queries them, for instance to find the [parts of an assembly that
 //! clash](crate::guide::distances#do-parts-of-an-assembly-clash).

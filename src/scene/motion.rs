@@ -231,7 +231,7 @@ impl Scene {
     /// There is one for each pair with the query `impact` whose bodies were separated before the
     /// tick and are not proven to stay separated during the tick. With the query `impact_within`
     /// there is one for each pair whose bodies were farther apart than its distance before the tick
-    /// and are not proven to stay so; [`PairImpact::distance`] tells the two apart.
+    /// and are not proven to stay so; [`PairImpact::distance`] distinguishes the two.
     ///
     /// ```
     /// use lin_canny::impact::{Impact, Tolerance};

@@ -353,7 +353,7 @@ pub unsafe extern "C" fn lc_mesh_new(
 /// repair a mesh whose opening is meant, as that of a cup: what reaches in would overlap the mesh.
 ///
 /// # Safety
-/// As of `lc_mesh_new`.
+/// As in `lc_mesh_new`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn lc_mesh_repaired_new(
     xyz: *const f64,

@@ -173,7 +173,7 @@ impl<T: Plain> Places<'_, T> {
     /// Writes an answer. What a shorter version lacks is left out; what a longer one has more is
     /// zero.
     ///
-    /// A place of the usual size gets the fields at once. By way of the stack the copy would read
+    /// A target of the usual size gets the fields at once. By way of the stack the copy would read
     /// what stores still on their way hold in other pieces, which stops the processor.
     #[inline(always)]
     pub(crate) fn write(&self, index: usize, answer: T) {
@@ -244,7 +244,7 @@ pub(crate) unsafe fn options<T: Plain>(options: *const T, size: usize, name: &st
     Ok(unsafe { read.assume_init() })
 }
 
-/// One place of the caller for a number, a handle or a pointer.
+/// One location of the caller for a number, a handle or a pointer.
 #[derive(Clone, Copy)]
 pub(crate) struct Place<'a, T> {
     data: *mut T,

@@ -212,7 +212,7 @@ pub(crate) fn run(options: &ClashArguments) -> Result<End, ToolError> {
     })
 }
 
-/// Tells rules that match no part.
+/// Warns about rules that match no part.
 fn check_rules(options: &ClashArguments, rules: &Rules, model: &Model) -> Result<(), ToolError> {
     let names: Vec<&str> = model.parts().iter().map(|part| part.name.as_str()).collect();
     let unused = rules.unused(&names);

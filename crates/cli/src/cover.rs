@@ -30,7 +30,7 @@ pub(crate) struct CoverOptions {
     /// Greatest number of faces of a hull around each collision element, instead of balls
     #[arg(long, value_name = "N", conflicts_with_all = ["balls", "gap", "inner"])]
     faces: Option<usize>,
-    /// Output file: .urdf with outer balls as spheres or hulls as OBJ files beside it, or .json with
+    /// Output file: .urdf with outer balls as spheres or hulls as OBJ files next to it, or .json with
     /// all balls or hulls; may be repeated
     #[arg(long, value_name = "OUT.urdf|OUT.json", value_parser = values::cover_file)]
     out: Vec<PathBuf>,

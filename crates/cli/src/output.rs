@@ -34,7 +34,7 @@ pub fn put(text: Arguments<'_>) {
     }
 }
 
-/// Writes a line to stderr. If that is not possible, nobody can be told.
+/// Writes a line to stderr. If that is not possible, the line is lost.
 pub fn complain(text: Arguments<'_>) {
     let _ = writeln!(std::io::stderr(), "{}", plain(text));
 }

@@ -54,7 +54,7 @@ pub(crate) fn configuration(coordinates: &[Coordinate], values: &[f64]) -> Strin
     each.join(" ")
 }
 
-/// Returns the place of a fraction of a segment, with its time if the file has times.
+/// Returns the position of a fraction of a segment, with its time if the file has times.
 pub(crate) fn place(t: f64, time: Option<f64>) -> String {
     let time = time.map_or(String::new(), |time| format!(", time {time:.6}"));
     format!("at {t:.6} of the segment{time}")

@@ -20,8 +20,8 @@
 //! # Rules of all readers
 //!
 //! * The content decides the format first, and then the extension of the file.
-//! * Whatever could be geometry and cannot be read is an error with file, line and reason; an error
-//!   of a glTF names the element instead of the line, such as `meshes[0]`. Whatever is no geometry
+//! * What could be geometry and cannot be read is an error with file, line and reason; an error
+//!   of a glTF names the element instead of the line, such as `meshes[0]`. What is no geometry
 //!   (lines, points, normals, materials) is in [`MeshFile::skipped`], with its line if it has one.
 //! * A point belongs to an object only if a triangle uses it. A file of points alone is an error,
 //!   except for [`MeshFile::load_for_hull`].

@@ -143,7 +143,7 @@ impl Element {
         Ok(())
     }
 
-    /// Returns the place of the property with one of the names, which must be there once.
+    /// Returns the index of the property with one of the names, which must be there once.
     fn property(&self, names: &[&str], is_list: bool) -> Result<usize, Fault> {
         let mut found = (0..self.properties.len()).filter(|&k| names.contains(&self.properties[k].name.as_str()));
         match (found.next(), found.next()) {

@@ -26,8 +26,8 @@ type Point = [f64; 3];
 /// Cuts a polygon with holes into triangles with the outside of the polygon. Corners are indices;
 /// `point` returns their positions.
 ///
-/// Equal neighbours are one corner. A polygon without area has no triangles; `note` is called for it,
-/// and of a polygon that is not flat.
+/// Equal neighbours are one corner. A polygon without area has no triangles; then `note` is called,
+/// and also if a polygon is not flat.
 pub(crate) fn triangulate(
     rings: &[&[u64]],
     point: impl Fn(u64) -> Point,

@@ -9,7 +9,7 @@ use crate::transform::{FLAT, IDENTITY, Matrix, apply, orientation};
 /// A mesh file whose instances share their mesh: the parts of an assembly.
 ///
 /// [`MeshFile`] has a moved copy of a mesh for each node of glTF and COLLADA; a scene has the mesh once.
-/// An object of another format is a node of its own mesh.
+/// An object of another format is a node of its mesh.
 ///
 /// ```
 /// use lin_canny_formats::MeshScene;

@@ -144,7 +144,7 @@ impl<'a> Words<'a> {
         self.words.pop()
     }
 
-    /// Returns the rest of the line, whatever it holds: a name.
+    /// Returns the rest of the line as a name.
     fn rest_of_line(&mut self) -> String {
         self.words.reverse();
         let name = self.words.join(" ");
@@ -227,7 +227,7 @@ fn ascii(text: &str) -> Result<MeshFile, Fault> {
     })
 }
 
-/// Takes the name of a solid: the rest of the line, or what stands in front of the first `facet`
+/// Takes the name of a solid: the rest of the line, or the text in front of the first `facet`
 /// followed by `normal`, three words and `outer` on the same line.
 fn name_before_facets(words: &mut Words<'_>) -> String {
     let line: Vec<&str> = words.words.iter().rev().copied().collect();

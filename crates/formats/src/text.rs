@@ -17,7 +17,7 @@ pub(crate) fn first_line(text: &str) -> &str {
     text.split(['\n', '\r']).next().unwrap_or(text).trim_end()
 }
 
-/// Returns why a file is none of the formats of this crate, whatever its name: it is empty, or
+/// Returns why a file is none of the formats of this crate under any name: it is empty, or
 /// replaces the file that somebody wanted to download.
 pub(crate) fn foreign(bytes: &[u8]) -> Option<&'static str> {
     if bytes.iter().all(u8::is_ascii_whitespace) {

@@ -43,7 +43,7 @@ pub(crate) fn apply(m: &Matrix, [x, y, z]: [f64; 3]) -> [f64; 3] {
 /// Least absolute value of [`orientation`] of a map that does not flatten; less is rounding.
 pub(crate) const FLAT: f64 = 1e-14;
 
-/// Returns the determinant, up to a positive factor: its sign tells a mirror, zero tells a map that
+/// Returns the determinant, up to a positive factor: a negative sign is a mirror, zero is a map that
 /// flattens. `NaN` if an entry is not finite.
 pub(crate) fn orientation(m: &Matrix) -> f64 {
     // Rows are scaled to one, because products of very large or small numbers are lost.

@@ -16,7 +16,7 @@ use crate::npy;
 /// | file | header | order of the numbers |
 /// |---|---|---|
 /// | `.npy` | the shape, `(nodes[0], nodes[1], nodes[2])` | z first, then y, then x |
-/// | `.nrrd` | the shape, the place of the first node, the steps | x first, then y, then z |
+/// | `.nrrd` | the shape, the position of the first node, the steps | x first, then y, then z |
 /// | `.raw` | none | x first, then y, then z |
 ///
 /// So the number at the node `[i, j, k]` is `array[i, j, k]` of numpy, and the number at `i` along
@@ -39,7 +39,7 @@ use crate::npy;
 pub struct Volume<'v> {
     /// Numbers of nodes along the axes.
     pub nodes: [usize; 3],
-    /// The place of the node `[0, 0, 0]`.
+    /// The position of the node `[0, 0, 0]`.
     pub origin: [f64; 3],
     /// Distances of neighbouring nodes along the axes.
     pub step: [f64; 3],
@@ -150,7 +150,7 @@ impl<'v> Volume<'v> {
     /// Returns the header of NRRD, with an empty line at its end.
     ///
     /// With a place in space, the steps are the lengths of the space directions: the format forbids
-    /// `spacings` beside them.
+    /// `spacings` next to them.
     fn nrrd_header(&self) -> String {
         let ([nx, ny, nz], [x, y, z], [dx, dy, dz]) = (self.nodes, self.origin, self.step);
         format!(

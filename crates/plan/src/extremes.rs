@@ -3,7 +3,7 @@
 //! `f64::max` and `f64::min` may return either of two zeros, and `f64::clamp` panics if its bounds
 //! cross.
 //!
-//! The library has such a module of its own, which is private: this is no part of its interface.
+//! The library has such a module, which is private: it is no part of its interface.
 
 /// Choices between two numbers.
 pub(crate) trait Extremes {

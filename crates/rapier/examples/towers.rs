@@ -1,4 +1,4 @@
-//! Towers of ten prisms, laid on each other: do they stand for 1,000 steps?
+//! Towers of ten prisms, laid on each other: do they remain upright for 1,000 steps?
 //!
 //! `cargo run --release -p lin-canny-rapier --example towers -- [--with FILE.csv]... [--csv FILE] [--out FILE.svg]`
 //!

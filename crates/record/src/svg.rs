@@ -138,7 +138,7 @@ pub struct View {
     pub axes: [Vector3<f64>; 3],
     /// Pixels per unit of length.
     pub scale: f64,
-    /// The place of the origin on the page.
+    /// The position of the origin on the page.
     pub origin: Place,
 }
 
@@ -173,7 +173,7 @@ impl View {
         view
     }
 
-    /// Returns the place of a point on the page.
+    /// Returns the position of a point on the page.
     #[must_use]
     pub fn place(&self, p: &Point3<f64>) -> Place {
         let [x, y] = [0, 1].map(|k| self.scale * p.coords.dot(&self.axes[k]));

@@ -134,7 +134,7 @@ fn clearances(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<Vec
     Ok(curve)
 }
 
-/// The cell, the arm at both ends and at the place of least clearance, and the points that are
+/// The cell, the arm at both ends and where the clearance is least, and the points that are
 /// closest there.
 fn picture(
     checker: &mut Checker<JointTree>,

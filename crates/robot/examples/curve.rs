@@ -11,7 +11,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny_robot::plan::{Cell, Checker, JointCurve, JointMotion, TimedPoses, Verdict};
 use lin_canny_robot::{CellFile, LoadOptions, Packages, Robot, Trajectory};
 
-/// A message `JointTrajectory`: up beside the fence, over it, and down on the other side.
+/// A message `JointTrajectory`: up next to the fence, over it, and down on the other side.
 const TRAJECTORY: &str = "
 joint_names: [turn, lift, elbow, roll, bend, twist]
 points:

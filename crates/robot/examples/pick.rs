@@ -48,7 +48,7 @@ struct Options {
 /// Half the size of the part in metres.
 const PART: [f64; 3] = [0.03, 0.03, 0.06];
 
-/// Where the part stands on the bottom of the tray, and where it is put on the table.
+/// Where the part is on the bottom of the tray, and where it is put on the table.
 const TAKEN: [f64; 3] = [0.6, 0.35, 0.31];
 const PUT: [f64; 3] = [0.6, -0.35, 0.3];
 
@@ -212,7 +212,7 @@ fn scan(count: usize, seed: u64) -> Result<Cloud, Trouble> {
 /// Number of segments of a way up, and the index of its end.
 const LAST: usize = 6;
 
-/// Configurations that lift the gripper straight up from the top of a part that stands at a place.
+/// Configurations that lift the gripper straight up from the top of a part at a position.
 fn upwards([x, y, z]: [f64; 3]) -> Vec<Vec<f64>> {
     let top = z + 2.0 * PART[2];
     (0..=LAST)

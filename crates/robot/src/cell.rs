@@ -130,7 +130,7 @@ impl From<NameText> for BodyName {
 /// | `exclude` | `[name, name]`: pairs that are excluded, in addition to those of the cell |
 /// | `exclude_exactly` | `[name, name]`: the pairs that are excluded; no others are |
 ///
-/// A name stands for all links, attached objects and obstacles that have it. `["post", 1]` in place
+/// A name stands for all links, attached objects and obstacles that have it. `["post", 1]` instead
 /// of a name stands for the second of them. [`from_cell`](Self::from_cell) and
 /// [`save`](Self::save) write such files.
 ///
@@ -460,7 +460,7 @@ fn is_half_space(cell: &Cell, id: CellBody, obstacle: &Obstacle) -> bool {
 mod tests {
     use super::*;
 
-    /// The schema beside the documentation is that of the reader's types. `UPDATE_SCHEMA=1` writes it.
+    /// The schema next to the documentation is that of the reader's types. `UPDATE_SCHEMA=1` writes it.
     #[test]
     fn the_schema_of_a_cell_is_as_written() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/cell.schema.json");

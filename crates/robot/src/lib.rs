@@ -135,12 +135,12 @@
 //! # Ok::<(), lin_canny_robot::FileError>(())
 //! ```
 //!
-//! * The first link is `world`, without bodies. A file has one world, or one model that stands
-//!   alone at its `pose` in the world. Several of them are an error.
+//! * The first link is `world`, without bodies. A file has one world, or one model
+//!   at its `pose` in the world. Several of them are an error.
 //! * Links and joints of a world are named `model::link`. In a file with one model, they have no
 //!   prefix; those of a nested model have the prefix of that model.
 //! * Links of static models are fixed, and their joints never move. A link that no joint holds
-//!   floats in the world. Exception: if a model stands alone and none of its joints has the parent
+//!   floats in the world. Exception: if a model is alone and none of its joints has the parent
 //!   `world`, the tree of its canonical link is fixed.
 //! * A floating link has the coordinates `LINK/x`, `LINK/y`, `LINK/z`, `LINK/roll`, `LINK/pitch`
 //!   and `LINK/yaw`: its pose in the world, as in `pose`. [`Robot::start`] returns the

@@ -8,7 +8,7 @@ use crate::error::StudyError;
 use crate::run::Run;
 
 /// Name of the manifest in the folder of the parts. Programs that read all parts of a folder pass
-/// over names that begin with an underscore: pyarrow, pandas, Spark and DataFusion.
+/// over names that start with an underscore: pyarrow, pandas, Spark and DataFusion.
 const NAME: &str = "_study.json";
 
 /// The run that wrote the parts of a folder.

@@ -91,7 +91,7 @@ struct Check {
 }
 
 impl Check {
-    /// Checks a line by the rules of its own file; returns the leg that it states.
+    /// Checks a line by the rules of its file; returns the leg that it states.
     fn after(&self, line: &Json) -> Result<Option<Leg>, Stop> {
         let stated = self.stated.as_ref().unwrap_or(&self.scene);
         after(&self.head, stated, self.count, self.leg.as_ref(), line)

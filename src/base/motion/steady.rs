@@ -20,7 +20,7 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vect
 /// use lin_canny::motion::{Motion, Steady};
 /// use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 ///
-/// // A door: it turns about a hinge one to the left of its own origin.
+/// // A door: it turns about a hinge one to the left of its origin.
 /// let spin = Velocity::new(Vector3::zeros(), Vector3::z());
 /// let pose = Isometry3::translation(1.0, 0.0, 0.0);
 /// let hinge = Point3::new(-1.0, 0.0, 0.0);

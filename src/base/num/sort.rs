@@ -55,7 +55,7 @@ pub(crate) fn arrange<T>(items: &mut [T], places: &mut [usize]) {
     }
 }
 
-/// The place of an item that has been moved.
+/// The index of an item that has been moved.
 const DONE: usize = usize::MAX;
 
 #[cfg(test)]

@@ -322,7 +322,7 @@ mod tests {
         Isometry3::from_parts(Translation3::from(at), turn)
     }
 
-    /// Whatever is proven agrees with the general search, whose normal and points are not used.
+    /// What is proven agrees with the general search, whose normal and points are not used.
     #[test]
     fn a_proof_agrees_with_the_general_search() {
         let mut rng = Rng::new(75);

@@ -36,7 +36,7 @@ use crate::pair::transform::StoredFrame;
 /// Largest number of points: the index of an item in a leaf has 27 bits.
 const POINTS_MOST: usize = 1 << 27;
 
-/// The convex body that stands at every point of a [`Cloud`].
+/// The convex body that is at every point of a [`Cloud`].
 ///
 /// Lengths are in the caller's unit. The element has the frame of the cloud, shifted to the point.
 #[derive(Clone, Debug)]

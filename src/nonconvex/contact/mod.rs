@@ -69,10 +69,10 @@ const ALIKE: f64 = 1.0 / 64.0;
 /// valleys are up to ten times deeper below one face than below the other, and have both contacts.
 const FAR_DEEPER: f64 = 8.0;
 
-/// How far beside a contact the middle of its overlap is searched for, and the radius of the ball
+/// How far from a contact the middle of its overlap is searched for, and the radius of the ball
 /// that must be in the overlap there, in depths of the contact.
 ///
-/// In the inner corner of two or three perpendicular sides, the overlap beside the contact is a
+/// In the inner corner of two or three perpendicular sides, the overlap next to the contact is a
 /// square or a cube of side 1. One of eight directions leads at most 22.5 degrees past its middle,
 /// 0.7 away: to 0.27 and 0.65 from two of the sides.
 const ASIDE: f64 = 0.7;
@@ -233,7 +233,7 @@ impl ContactTracker {
     }
 }
 
-/// How many times the error bound of a position counts beside curved pieces, for contacts that are
+/// How many times the error bound of a position counts next to curved pieces, for contacts that are
 /// this many times deeper still.
 ///
 /// The nearest surface point of a curved piece is known to the bounds of a distance, that of a face
@@ -249,7 +249,7 @@ const CURVED: f64 = 64.0;
 /// the normals of three shallower contacts, and it may be none, for bodies that touch.
 ///
 /// The points of a real contact may all be at the ends of the overlap, next to other sides of both
-/// bodies. Then both bodies contain a ball beside one of them, and the contacts are kept as well.
+/// bodies. Then both bodies contain a ball next to one of them, and the contacts are kept as well.
 fn unresolved(query: &PatchQuery, all: &[(PatchContact, bool)]) -> Vec<PatchContact> {
     let depth = |c: &PatchContact| -c.point.separation;
     let mut depths: Vec<f64> = Vec::new();
@@ -301,7 +301,7 @@ impl PatchQuery<'_> {
         deep(self.a, &(on_a - n * reach), &on_b) || deep(self.b, &self.in_b(&(on_b + n * reach)), &self.in_b(&on_a))
     }
 
-    /// Returns whether both bodies contain a ball beside a contact: its radius is a part of the
+    /// Returns whether both bodies contain a ball next to a contact: its radius is a part of the
     /// depth, so no far shorter shift separates the bodies.
     fn have_room(&self, contact: &PatchContact) -> bool {
         let PatchContact { normal, point, .. } = contact;

@@ -266,7 +266,7 @@ impl Mesh {
     /// Returns whether the body is in front of a triangle: the winding numbers on both sides of its
     /// centroid have a negative sum.
     ///
-    /// Returns `None` if no points beside the triangle show it. Two equal triangles between bodies
+    /// Returns `None` if no points next to the triangle show it. Two equal triangles between bodies
     /// of opposite sense show nothing.
     pub(crate) fn is_inward(&self, t: u32) -> Option<bool> {
         let is_clear = |[front, back]: &[i32; 2]| front < back && front + back != 0;
@@ -275,7 +275,7 @@ impl Mesh {
 
     /// Returns the winding numbers in front of a triangle and behind it, close to its centroid.
     ///
-    /// Returns `None` if no points beside the triangle show them.
+    /// Returns `None` if no points next to the triangle show them.
     pub(crate) fn sides(&self, t: u32) -> Option<[i32; 2]> {
         self.sides_that(t, |[front, back]| front < back)
     }

@@ -36,8 +36,8 @@ use crate::nonconvex::tree::{Below, Tree, up};
 pub(super) const FAR_BOX: f64 = 512.0;
 
 /// Width of bounds above which they are refined, in units of the distance and the radius of the
-/// tree. Triangles that are small beside these, and whose direction to the point does not err, have
-/// bounds of 32 UNIT.
+/// tree. Triangles that are small against these, and whose direction to the point does not err,
+/// have bounds of 32 UNIT.
 const WIDE: f64 = 48.0 * UNIT;
 
 /// A point in the coordinates of a tree.

@@ -8,7 +8,7 @@
 //! 4. Extents are computed from the leaves upward. Every point stands for a convex element, so the
 //!    extents grow by the support values of the element.
 //!
-//! The places of points are rounded to single precision, and heights are those of the stored axes,
+//! Positions are rounded to single precision, and heights are those of the stored axes,
 //! as in a tree whose vertices have moved (`refit`): the error of a height is the same, and so is
 //! the box around the heights.
 //!
@@ -252,7 +252,7 @@ impl GroupAxes {
     }
 }
 
-/// The places of all points in the tree's order, one column per coordinate.
+/// The positions of all points in the tree's order, one column per coordinate.
 type PlaceColumns = [Vec<f32>; 3];
 
 /// The least and the greatest heights along three axes.
@@ -263,7 +263,7 @@ impl Tree {
     ///
     /// Returns the tree and the order of the points. There is at least one point and at most 2^27,
     /// and the coordinates are finite. Of more than [`CROWD`] equal points, the tree holds one. The
-    /// others stand at the end of the order, because pairs of equal points are tied, and a search
+    /// others are at the end of the order, because pairs of equal points are tied, and a search
     /// would visit them all.
     pub(in crate::nonconvex) fn over_points(points: &[[f64; 3]], element: &ElementExtent<'_>) -> (Self, Vec<u32>) {
         let (mut order, mut keys, equal) = sorted(points);

@@ -107,7 +107,7 @@ impl Placement {
         ))
     }
 
-    /// Returns the rounded place of a vertex, and how far it is from the true one at most.
+    /// Returns the rounded position of a vertex, and how far it is from the true one at most.
     fn place(&self, p: &Vector3<f64>) -> (Vector3<f64>, f64) {
         match self {
             Self::Shifted { shift, doubt, frames } => {

@@ -14,7 +14,7 @@
 //! `a d1 + b d2 + c d3`. A corner with `n . v >= d` for these three planes is at least that high.
 //! So if for all directions there are three such planes with a corner, no plane separates a point
 //! of the body from the hull of the corners: this hull contains the body. That a corner is not
-//! strictly inside a half-space is an exact sign, whatever its rounding error.
+//! strictly inside a half-space is an exact sign, for any rounding error.
 //!
 //! The triples are the triangles of the dual (`fewer.rs`), of which the cones of normals are to
 //! contain all directions. The dual is an exact hull around the origin, so rays from the origin

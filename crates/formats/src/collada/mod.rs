@@ -56,7 +56,7 @@ struct Reader<'a> {
     xml: &'a Xml<'a>,
     geometries: Geometries<'a>,
     nodes: HashMap<NodeId, Rc<Contents<'a>>>,
-    /// The geometries that the scene has, and the place of each.
+    /// The geometries that the scene has, and the transform of each.
     bodies: Vec<Rc<MeshObject>>,
     known: HashMap<*const MeshObject, usize>,
     places: Vec<PlacedMesh>,

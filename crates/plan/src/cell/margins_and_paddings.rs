@@ -27,7 +27,7 @@ pub struct RequiredDistance {
     /// Whether the pair has an explicit margin.
     pub is_of_pair: bool,
     /// The padding of each body, with the body that it was set for: the link, if an attached object has
-    /// no padding of its own.
+    /// no padding.
     pub paddings: [(CellBody, f64); 2],
     /// What a pair must keep in addition along a motion with a tube: a bound of what the tube moves;
     /// 0 without a tube.
@@ -171,7 +171,7 @@ impl Cell {
         Ok(found)
     }
 
-    /// Returns the padding of a body: of an attached object without a padding of its own, that of its
+    /// Returns the padding of a body: of an attached object without its own padding, that of its
     /// link.
     #[must_use]
     pub fn padding(&self, id: CellBody) -> f64 {

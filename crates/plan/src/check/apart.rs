@@ -3,7 +3,7 @@
 //! The boxes are the leaves of a tree of halvings, so a lookup is a descent: one comparison for each
 //! halving, and no geometry. A segment is divided in time where it crosses the face between two
 //! halves. The time of the crossing is rounded, so each half gets the outer of two times: together
-//! they cover the segment, whatever was rounded.
+//! they cover the segment, rounding included.
 
 use std::vec::Vec;
 

@@ -32,7 +32,7 @@ struct ChainJoint {
     /// The pose of the joint in the frame after the joint before, the axis and the kind.
     joint: TreeJoint,
     drive: Drive,
-    /// The place of its coordinate in the ranges of the chain.
+    /// The index of its coordinate in the ranges of the chain.
     place: usize,
     /// Upper bounds of the distance of all points of A, and of B, from the origin of the joint.
     reach: [f64; 2],

@@ -2,7 +2,7 @@
 //!
 //! Two links with one or two joints between them are near each other at most configurations, so they
 //! cost a query nearly every time. Their distance depends on these joints alone. Some hundred boxes
-//! of joint values answer most of these queries, for every cell in which the robot stands.
+//! of joint values answer most of these queries, for every cell in which the robot is.
 //!
 //! The limits are one box. A box in which the pair is not proven apart is halved, the largest first:
 //! see the proofs over ranges. A box in which the pair is always in contact stays whole.

@@ -460,7 +460,7 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Proves a cell that stands alone: no witness is kept, nothing is divided.
+    /// Proves a single cell: no witness is kept, nothing is divided.
     pub(super) fn prove_cell(&mut self, cell: &mut RangeCell) -> Result<BoxProof, PlanError> {
         self.centre_on(cell);
         let Some(found) = self.by_planes_of_hulls(cell)? else {

@@ -12,7 +12,7 @@ use crate::tolerance::RECEIPT;
 use lin_canny::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use lin_canny::{RelativePose, Tracker};
 
-/// Most pairs of parts that are tried as the place of a contact.
+/// Most pairs of parts that are tried as the position of a contact.
 pub(super) const PARTS: usize = 256;
 
 /// Times after a bracket at which a contact is proven if it is not certain at its end, in brackets.

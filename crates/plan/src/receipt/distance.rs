@@ -53,7 +53,7 @@ pub(super) fn distance(
 
 /// Returns the line of a distance of bodies of which one has parts.
 ///
-/// Both bounds leave room for rounding: each group of parts has a plane of its own, and the normals
+/// Both bounds leave room for rounding: each group of parts has its plane, and the normals
 /// are rounded.
 fn of_parts(
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! Moving obstacles in a receipt: each is carried by a chain of joints of its own.
+//! Moving obstacles in a receipt: each is carried by its chain of joints.
 //!
 //! Between two rows of its [`TimedPoses`] an obstacle shifts along a straight line and turns about one axis, both in
 //! proportion to time. So three sliding joints carry it, then one turning joint for each row that turns it, the last

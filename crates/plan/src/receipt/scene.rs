@@ -298,7 +298,7 @@ impl Scene {
         Some(parent)
     }
 
-    /// Adds a joint that is none of the robot's, and returns its link.
+    /// Adds a joint that is not of the robot, and returns its link.
     pub(super) fn add_joint(&mut self, joint: TreeJoint) -> usize {
         self.joints.push(joint);
         self.joints.len()

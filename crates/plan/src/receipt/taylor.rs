@@ -289,7 +289,7 @@ impl Over<'_> {
     }
 }
 
-/// Returns the place of a point of a body over an interval.
+/// Returns the position of a point of a body over an interval.
 pub(super) fn place(steps: &[Step], point: &Vector3<f64>, start: f64, span: f64) -> Moving {
     let outward = steps.iter().rev();
     outward.fold(constant(point), |x, step| step.over(start, span).moved(&x))

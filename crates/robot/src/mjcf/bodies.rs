@@ -101,7 +101,7 @@ pub(super) struct Model<'e> {
     rule_count: usize,
 }
 
-/// The place of an element.
+/// The parent of an element.
 #[derive(Clone, Copy)]
 struct Scope<'s> {
     /// The link of the body around the element.

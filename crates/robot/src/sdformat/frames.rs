@@ -61,7 +61,7 @@ pub(super) struct Frame {
     pub(super) name: String,
     pub(super) relative_to: Target,
     pub(super) pose: Isometry3<f64>,
-    /// The frame in the model that stands at the pose, instead of the frame of the model.
+    /// The frame in the model that is at the pose, instead of the frame of the model.
     pub(super) placement: Option<Reference>,
     pub(super) attached_to: Attachment,
 }

@@ -142,7 +142,7 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// Returns the joints of the tree. A model that stands alone has its frame as `base`.
+    /// Returns the joints of the tree. A model alone has its frame as `base`.
     fn new(
         description: Description<'a>,
         poses: Poses,
@@ -311,7 +311,7 @@ impl<'a> Builder<'a> {
         self.poses.between(self.frames[child], self.frames[parent])
     }
 
-    /// Returns the link that stands on the ground if a model stands alone: the first above its
+    /// Returns the link that is on the ground if a model is alone: the first above its
     /// canonical link. There is none if a joint holds a link to the world.
     fn base(&self, frame: usize, place: &Place) -> Result<Option<usize>, FileError> {
         if self.description.links.is_empty() {

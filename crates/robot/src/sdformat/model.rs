@@ -182,7 +182,7 @@ pub(super) struct Description<'o> {
     pub(super) included: [usize; 2],
 }
 
-/// The place of elements: the world, or a model.
+/// The parent of elements: the world, or a model.
 #[derive(Clone)]
 pub(super) struct Owner {
     pub(super) scope: usize,
