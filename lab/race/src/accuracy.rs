@@ -19,8 +19,8 @@ pub const FLOOR: f64 = 1e-18;
 
 /// Engines in the order of their colours, with their names in legends.
 const ENGINES: [(&str, &str); 6] = [
-    ("ours", "ours, tracked"),
-    ("ours-cold", "ours, nothing kept"),
+    ("ours", "lin-canny, tracked"),
+    ("ours-cold", "lin-canny, new tracker each time"),
     ("gjk-cached", "parry's GJK f64, simplex kept"),
     ("gjk-cold", "parry's GJK f64, nothing kept"),
     ("parry-f64", "parry f64"),
@@ -87,6 +87,9 @@ fn reported(family: &str) -> String {
     }
 }
 
+/// The levels of this crate in pictures.
+const LEVELS: [(&str, &str); 3] = [("walk", "nothing proven"), ("certified", "proven"), ("exact", "exact")];
+
 /// Draws error against time: one point for each engine and level, with its spread.
 pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
     let mut chart = Chart::new(format!(
@@ -111,7 +114,8 @@ pub fn error_and_time(rows: &[Row], family: &str, n: usize) -> Chart {
                 x: c.ns,
                 y: c.err.map(|e| e.max(FLOOR)),
                 word: if engine.starts_with("ours") {
-                    level
+                    let known = LEVELS.iter().find(|(name, _)| *name == level);
+                    known.map_or(level, |(_, word)| (*word).to_owned())
                 } else {
                     String::new()
                 },
