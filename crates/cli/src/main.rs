@@ -22,6 +22,7 @@ mod find_excluded;
 mod grid;
 mod inspect;
 mod options;
+mod packaging;
 mod pair_boxes;
 mod plan;
 mod points;
@@ -88,6 +89,9 @@ enum Command {
     Inspect(inspect::InspectOptions),
     /// Check a receipt of `certify` in exact arithmetic, and print what it proves
     Verify(verify::VerifyOptions),
+    /// Write manual pages and completions of shells, for a package of the tool
+    #[command(hide = true)]
+    Packaging(packaging::PackagingOptions),
 }
 
 /// Returns an error if a command would write to a file that it reads.
@@ -146,6 +150,7 @@ fn main() -> ExitCode {
         Command::Points(options) => points::run(&options),
         Command::Inspect(options) => inspect::run(&options),
         Command::Verify(options) => verify::run(&options),
+        Command::Packaging(options) => packaging::run(&options, Arguments::command()),
     };
     match found {
         Ok(End::Free) => ExitCode::SUCCESS,

@@ -486,3 +486,29 @@ fn a_stopped_search_for_clashes_writes_its_rows() {
     let count = rows.lines().count();
     assert!((1..60 * 59 / 2).contains(&count), "{count}: {rest}");
 }
+
+/// Packages of the tool have a manual page for each command, and completions that name each.
+#[test]
+fn packaging_writes_pages_and_completions_of_every_command() {
+    let folder = out("packaging");
+    assert_eq!(run("packaging", &[&folder]), (0, String::new()));
+    let (_, help) = run("--help", &[]);
+    let commands = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let commands = commands.take_while(|line| !line.is_empty()).map(|line| line.trim());
+    let names: Vec<_> = commands
+        .filter_map(|line| line.split(' ').next())
+        .filter(|name| *name != "help")
+        .collect();
+    assert!(names.len() > 10, "{names:?}");
+    let bash = text(&format!("{folder}/completions/lin-canny.bash"));
+    for name in names {
+        assert!(
+            text(&format!("{folder}/man1/lin-canny-{name}.1")).contains("OPTIONS"),
+            "{name}"
+        );
+        assert!(bash.contains(&format!("lin__canny,{name})")), "{name}");
+    }
+    assert!(text(&format!("{folder}/man1/lin-canny.1")).contains("lin\\-canny\\-certify(1)"));
+    let (code, said) = run("packaging", &["cell.json/x"]);
+    assert!(code == 3 && said.contains("cannot be written"), "{said}");
+}
