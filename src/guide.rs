@@ -50,3 +50,6 @@ pub mod replays {}
 #[doc = ""]
 #[doc = include_str!("../images/clearance.svg")]
 pub mod studies {}
+
+#[doc = include_str!("../docs/features.md")]
+pub mod features {}

@@ -239,6 +239,8 @@
 //!
 //! # Cargo features
 //!
+//! The chapter [features](guide::features) has those of all packages, and the checked combinations.
+//!
 //! | feature | default | adds |
 //! |---|---|---|
 //! | `std` | yes | square roots of the machine; without it the crate is `no_std` and needs `alloc` |

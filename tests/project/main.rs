@@ -5,6 +5,7 @@ mod figures;
 mod layering;
 mod links;
 mod locks;
+mod manifests;
 mod options;
 mod pages;
 mod readme;
