@@ -671,3 +671,27 @@ fn empty_files_and_pointers_get_a_message_of_their_own() {
         }
     }
 }
+
+/// The line ends of Windows change nothing: robots, groups, and cells as JSON and SDFormat.
+#[test]
+fn line_ends_of_windows_change_nothing() {
+    let (packages, options) = (Packages::default(), LoadOptions::default());
+    let robot = Robot::load(examples().join("gripper.urdf"), &packages).expect("a robot");
+    let read = |name: &str, text: &str| {
+        let path = examples().join(name);
+        let shown = match name.rsplit_once('.').expect("a kind").1 {
+            "urdf" => Robot::parse(text, path, &packages, &options).map(|x| format!("{x:?}")),
+            "srdf" => Srdf::parse(text, path, &robot).map(|x| format!("{x:?}")),
+            _ => CellFile::parse(text, path, &packages, &options).map(|x| format!("{x:?}")),
+        };
+        shown.unwrap_or_else(|e| panic!("{name}: {e}"))
+    };
+    for name in ["gripper.urdf", "gripper.srdf", "cell.json", "bench.sdf"] {
+        let text = std::fs::read_to_string(examples().join(name)).expect("an example");
+        assert!(text.contains('\n') && !text.contains('\r'), "{name}");
+        assert!(
+            read(name, &text) == read(name, &text.replace('\n', "\r\n")),
+            "{name} differs with the line ends of Windows"
+        );
+    }
+}
