@@ -2,12 +2,13 @@
 
 mod support;
 
+use std::ffi::OsStr;
 use std::process::Command;
 
 use support::python::answer;
 use support::*;
 
-fn program(arguments: &[&std::path::Path]) -> (Option<i32>, String) {
+fn program(arguments: &[&OsStr]) -> (Option<i32>, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_lin-canny-verify"))
         .args(arguments)
         .output()
@@ -34,19 +35,19 @@ fn the_program_gives_the_answer_of_the_package() {
         (String::new(), 3),
     ] {
         let (expected, said) = answer(&text, None);
-        let (found, printed) = program(&[&file("receipt", &text)]);
+        let (found, printed) = program(&[file("receipt", &text).as_ref()]);
         assert_eq!((expected, found), (code, Some(code)), "{printed}");
         assert_eq!(printed.trim_end(), said.trim_end());
     }
     let (expected, said) = answer(&receipt, Some(&receipt));
-    let (found, printed) = program(&[&good, &good]);
+    let (found, printed) = program(&[good.as_ref(), good.as_ref()]);
     assert_eq!((Some(expected), &*said), (found, &*printed));
-    let (found, printed) = program(&["--all".as_ref(), &good]);
+    let (found, printed) = program(&["--all".as_ref(), good.as_ref()]);
     assert!(
         found == Some(0) && printed.lines().count() > said.lines().count(),
         "{printed}"
     );
-    for wrong in [&[][..], &["--any".as_ref()], &[&folder.join("none")]] {
+    for wrong in [&[][..], &["--any".as_ref()], &[folder.join("none").as_ref()]] {
         assert_eq!(program(wrong).0, Some(3));
     }
     assert!(program(&["--version".as_ref()]).1.contains(env!("CARGO_PKG_VERSION")));
