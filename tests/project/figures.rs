@@ -52,6 +52,9 @@ const FIGURES: &[Figure] = &[
         let of = |shape, engine| r.after(&format!("tracked-0.5,{shape},20480,{engine},")) / 1e3;
         vec![of("rock", "ours"), of("gear", "ours"), of("rock", "ours-cold"), of("gear", "ours-cold")]
     }),
+    ("README.md", "for Linux: {} MB for x86-64, {} MB for aarch64 (", "2026-12-01-release.txt", |r| {
+        vec![r.after("compressed, MB: x86-64 "), r.after(", aarch64 ")]
+    }),
     ("README.md", "takes {} to {} CPU seconds on two cores of an Intel Xeon (2026-11-30), and parry3d-f64 takes {} to {} (", "2026-11-30-build.txt", |r| {
         let ends = |text| {
             let all = r.all_after(text);
