@@ -38,7 +38,7 @@ use nalgebra::{Unit, Vector3};
 /// | geometries | width of the bounds | `intersects`, `within` |
 /// |---|---|---|
 /// | polyhedra, rounded or not | `1e-13 L` | exact (feature `exact`) |
-/// | cylinder, cone, ellipsoid | `1e-13 L`; depths `2^-19 L` | ties count as within |
+/// | curved cores ([`Core`](crate::shape::Core)) | `1e-13 L`; depths `2^-19 L` | ties count as within |
 /// | meshes, compounds whose pieces have no pose | `1e-13 L` | exact (`exact`), but for two ties |
 /// | compounds whose pieces have poses | `1.5e-13 L` | ties count as within |
 /// | a cloud | `1.5e-13 L` | ties count as within, see [`Cloud`](crate::Cloud) |
@@ -134,9 +134,9 @@ impl PairTracker {
     /// Returns a tracker whose first query of a curved convex pair starts along a direction.
     ///
     /// The direction leads from A to B, in the frame of A. It applies to two convex geometries of
-    /// which one is a cylinder, cone or ellipsoid; other pairs start cold. Use this
-    /// if you keep the normal of the last result yourself and no tracker. A wrong direction costs
-    /// time and never makes a bound wrong; it may change what the state of any tracker may change.
+    /// which one has a curved [`Core`](crate::shape::Core); other pairs start cold. Use this if
+    /// you keep the normal of the last result yourself and no tracker. A wrong direction costs time
+    /// and never makes a bound wrong; it may change what the state of any tracker may change.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -201,8 +201,8 @@ impl PairTracker {
     /// **Witnesses of convex shapes** lie on the rounded surfaces, opposite each other along the
     /// normal at the returned distance, in every contact state. Exceptions:
     ///
-    /// - one shape is a cylinder, cone or ellipsoid: to 1e-9 times the pair size, and at flush
-    ///   faces or common axes sometimes only to 3e-8;
+    /// - one shape has a curved core: to 1e-9 times the pair size, and at flush faces or common
+    ///   axes sometimes only to 3e-8;
     /// - only an interval of the depth is known: to 1e-6.
     ///
     /// **Witnesses of meshes** are as far apart as the upper bound, up to the rounding of their

@@ -46,7 +46,7 @@ pub enum GeometryKind {
     Wire,
     /// A rounded polyhedron: ball, capsule, rounded box or hull.
     Rounded,
-    /// A cylinder, cone or ellipsoid, rounded or not.
+    /// A shape with a curved [`Core`](crate::shape::Core), rounded or not.
     Curved,
     /// A union of convex pieces.
     Compound,
