@@ -999,7 +999,7 @@ lc_status lc_mesh_new(const double *xyz,
 // Points at most `weld` from an earlier point move to it; zero welds equal points alone. Do not
 // repair a mesh whose opening is meant, as that of a cup: what reaches in would overlap the mesh.
 //
-// Contract: As of `lc_mesh_new`.
+// Contract: As in `lc_mesh_new`.
 lc_status lc_mesh_repaired_new(const double *xyz,
                                size_t vertices,
                                const uint32_t *indices,
