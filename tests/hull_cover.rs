@@ -11,6 +11,7 @@ use truth::covers::is_inside;
 use truth::exact::distance_to_body;
 use truth::rational::{RBig, exact};
 use truth::rng::Rng;
+use truth::tally::tenth;
 use truth::{Face, Point, Pose, shapes, soups};
 
 /// A body, the points of which it is the hull, and the radius by which they are rounded.
@@ -254,7 +255,7 @@ fn run(count: usize, seed: u64) {
 
 #[test]
 fn random_bodies_are_contained_exactly() {
-    run(300, 1);
+    run(tenth(300), 1);
 }
 
 #[test]

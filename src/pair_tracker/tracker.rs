@@ -38,7 +38,7 @@ use nalgebra::{Unit, Vector3};
 /// | geometries | width of the bounds | `intersects`, `within` |
 /// |---|---|---|
 /// | polyhedra, rounded or not | `1e-13 L` | exact (feature `exact`) |
-/// | curved cores ([`Core`](crate::shape::Core)) | `1e-13 L`; depths `2^-19 L` | ties count as within |
+/// | curved [cores](crate::shape::Core) | `1e-13 L`; depths `2^-19 L` | ties count as within |
 /// | meshes, compounds whose pieces have no pose | `1e-13 L` | exact (`exact`), but for two ties |
 /// | compounds whose pieces have poses | `1.5e-13 L` | ties count as within |
 /// | a cloud | `1.5e-13 L` | ties count as within, see [`Cloud`](crate::Cloud) |

@@ -11,6 +11,7 @@ use truth::pose::{add, quat, scale};
 use truth::rational::RBig;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
+use truth::tally::{is_whole, tenth};
 use truth::{Point, Pose};
 
 /// A motion between two poses: the origin moves straight, the angle evenly.
@@ -275,8 +276,11 @@ fn run(rounds: usize, seed: u64) -> Tally {
 
 #[test]
 fn bodies_that_turn_meet_bending_sheets_when_exact_arithmetic_says() {
-    let tally = run(150, 3);
-    assert!(tally.misses > 20 && tally.starts > 20 && tally.hits > 60, "{tally:?}");
+    let tally = run(tenth(150), 3);
+    assert!(
+        !is_whole() || tally.misses > 20 && tally.starts > 20 && tally.hits > 60,
+        "{tally:?}"
+    );
     assert!(tally.near + tally.wide < 4, "{tally:?}");
 }
 

@@ -6,6 +6,7 @@ use truth::answers::{answer, body, judge};
 use truth::families::{self, QUERIES};
 use truth::maker::Precision;
 use truth::suite::{Line, Reader};
+use truth::tally::tenth;
 
 /// Answers queries drawn from a seed, and returns how many families had each state.
 fn answered(seed: u64, count: usize) -> BTreeMap<String, [u32; 4]> {
@@ -16,10 +17,9 @@ fn answered(seed: u64, count: usize) -> BTreeMap<String, [u32; 4]> {
         match line.expect("a line of the format") {
             Line::Shape(shape) => drop(bodies.insert(shape.id, body(&shape).expect("a body"))),
             Line::Query(case) => {
-                let truth = case.truth.expect("solved");
                 let found = answer(&case.query, case.query.bodies().map(|id| &bodies[&id]));
                 let found = found.unwrap_or_else(|e| panic!("seed {seed}: {case:?}: {e}"));
-                if let Err(wrong) = judge(&case.query, &truth, &found) {
+                if let Err(wrong) = judge(&case, &found) {
                     panic!("seed {seed}: {case:?}: {wrong}");
                 }
                 let row = told.entry(case.family).or_default();
@@ -33,7 +33,7 @@ fn answered(seed: u64, count: usize) -> BTreeMap<String, [u32; 4]> {
 
 #[test]
 fn queries_of_case_files_are_answered_as_exact_arithmetic_says() {
-    let told = answered(1, 60);
+    let told = answered(1, tenth(60));
     println!("apart, touching, overlapping, undecided: {told:?}");
     assert_eq!(told.len(), QUERIES.len());
     // Only casts and rays may be undecided, and few are.

@@ -5,6 +5,7 @@ use truth::forms::mesh;
 use truth::near_points::{MESH_KINDS, POINT_KINDS, hard_mesh, hard_point, is_between, place};
 use truth::rng::Rng;
 use truth::soups::Soup;
+use truth::tally::tenth;
 
 /// Checks points against exact truth; returns how many are outside, on and inside.
 fn judge(soup: &Soup, count: usize, rng: &mut Rng, told: &str) -> [usize; 3] {
@@ -37,7 +38,7 @@ fn judge(soup: &Soup, count: usize, rng: &mut Rng, told: &str) -> [usize; 3] {
 
 /// Points per mesh and pass; a million in the record.
 fn count() -> usize {
-    std::env::var("LIN_CANNY_POINTS").map_or(24, |n| n.parse().expect("a number"))
+    std::env::var("LIN_CANNY_POINTS").map_or_else(|_| tenth(24), |n| n.parse().expect("a number"))
 }
 
 #[test]

@@ -12,13 +12,13 @@ use truth::driven::scenes::Mix;
 use truth::rng::Rng;
 use truth::shapes;
 use truth::support::body;
-use truth::tally::Tally;
+use truth::tally::{Tally, is_whole, tenth};
 
 /// The bytes of a generator reach every case.
 #[test]
 fn any_calls_in_any_order_give_what_is_true() {
     let mut mix = Mix::default();
-    for seed in 0..240 {
+    for seed in 0..tenth(240) as u64 {
         let mut rng = Rng::of_case(77, seed);
         let mut bytes: Vec<u8> = (0..1500).map(|_| rng.bits() as u8).collect();
         // The kinds in turn: kinds with many queries are rare.
@@ -28,6 +28,9 @@ fn any_calls_in_any_order_give_what_is_true() {
             (bytes[1], bytes[2]) = (0, 2);
         }
         mix.add(&scenes::drive(&bytes, read_back));
+    }
+    if !is_whole() {
+        return;
     }
     assert!(mix.steps > 2500 && mix.refused > 5 && mix.reused > 100, "{mix:?}");
     assert!(mix.ticks.iter().chain(&mix.saved).all(|n| *n > 500), "{mix:?}");

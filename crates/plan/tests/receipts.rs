@@ -16,6 +16,7 @@ use truth::casts::{SHAPES, aimed, body, rotation};
 use truth::plans::{Ask, Furnish, bezier, cuboid};
 use truth::rng::Rng;
 use truth::support::piece_at;
+use truth::tally::{is_whole, tenth};
 
 #[path = "../../verify/tests/support/python.rs"]
 #[allow(dead_code, reason = "the checkers' own tests use all of it")]
@@ -79,7 +80,7 @@ fn random_segments_of_an_arm_have_receipts() {
     let mut rng = Rng::new(7);
     let mut counts = [0; 4];
     let mut size = 0;
-    for k in 0..40 {
+    for k in 0..tenth(40) {
         let from = match k % 2 {
             0 => motion::carry(rng.uniform()),
             _ => checker.space().sample(&mut || rng.uniform()),
@@ -94,7 +95,10 @@ fn random_segments_of_an_arm_have_receipts() {
         }
     }
     println!("free, blocked, blocked at the start, undecided: {counts:?}; at most {size} bytes of evidence");
-    assert!(counts[0] > 4 && counts[1] > 4 && counts[2] > 0, "{counts:?}");
+    assert!(
+        !is_whole() || counts[0] > 4 && counts[1] > 4 && counts[2] > 0,
+        "{counts:?}"
+    );
 }
 
 #[test]
@@ -197,7 +201,7 @@ fn random_curves_of_an_arm_have_receipts() {
     let mut checker = arm();
     let mut rng = Rng::new(9);
     let mut counts = [0; 3];
-    for k in 0..12 {
+    for k in 0..tenth(12) {
         let start = match k % 2 {
             0 => motion::carry(rng.uniform()),
             _ => checker.space().sample(&mut || rng.uniform()),
@@ -229,7 +233,8 @@ fn random_curves_of_an_arm_have_receipts() {
         }
     }
     println!("free, blocked, splines: {counts:?}");
-    assert!(counts[0] > 2 && counts[1] > 2 && counts[2] == counts[0], "{counts:?}");
+    assert_eq!(counts[2], counts[0]);
+    assert!(!is_whole() || counts[0] > 2 && counts[1] > 2, "{counts:?}");
 }
 
 /// A range around a configuration, of a width that grows with the number.

@@ -53,7 +53,7 @@ fn queries_have_their_families_and_all_states() {
             .map(of);
             assert_eq!(states.len(), 40);
             assert!(
-                apart > 5 && touching > 0 && over > 5,
+                apart > 3 && touching > 0 && over > 3,
                 "{family}: {apart} {touching} {over}"
             );
         }

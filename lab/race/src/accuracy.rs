@@ -447,7 +447,7 @@ mod tests {
         let pictures = [
             (
                 error_and_time(&rows, "sphere 0.5deg", 16),
-                vec!["ours, tracked", "walk", "parry f64"],
+                vec!["lin-canny, tracked", "nothing proven", "parry f64"],
             ),
             (
                 time_and_size(&rows, "sphere 0.5deg"),

@@ -2,6 +2,18 @@
 
 use std::collections::BTreeMap;
 
+/// Returns whether the slowest families of tests run whole: `.ci/run` sets `LIN_CANNY_WHOLE`.
+#[must_use]
+pub fn is_whole() -> bool {
+    std::env::var_os("LIN_CANNY_WHOLE").is_some()
+}
+
+/// Returns a count, or a tenth of it unless the tests run [whole](is_whole).
+#[must_use]
+pub fn tenth(count: usize) -> usize {
+    if is_whole() { count } else { count.div_ceil(10) }
+}
+
 /// A count, or a set of counts; [`tally!`](crate::tally!) defines one.
 pub trait Tally {
     /// Adds the counts of another run. Of two numbers that are the largest of their runs, keeps the larger.

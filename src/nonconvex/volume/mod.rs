@@ -272,7 +272,8 @@ impl Mesh {
         bounds(&self.counted_moments().0.six, self.unit())
     }
 
-    /// Returns the centre of mass in the caller's unit, and a bound of the error of each coordinate.
+    /// Returns the centre of mass in the caller's unit, and a bound of the error of each
+    /// coordinate.
     ///
     /// `None` for open meshes, and unless the volume is certainly positive. A point with winding
     /// number w counts w times, as in [`centroid`](Self::centroid).
@@ -282,7 +283,8 @@ impl Mesh {
     /// use lin_canny::{Mesh, polyhedron::solids};
     ///
     /// let cube = solids::cuboid(Vector3::new(0.1, 0.2, 0.3))?;
-    /// let (centre, error) = Mesh::from_convex(&cube)?.centroid_bounds().expect("a solid");
+    /// let mesh = Mesh::from_convex(&cube)?;
+    /// let (centre, error) = mesh.centroid_bounds().expect("a solid");
     /// assert!(centre.coords.amax() <= error && error < 1e-15);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

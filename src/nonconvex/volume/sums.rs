@@ -318,7 +318,7 @@ impl<'a> Sums<'a> {
         let mut tilt = mean;
         for &(_, k) in &side.based[based] {
             let part = &passages[k as usize].part;
-            let sign = Counted::whole(side.all[k as usize].leaves.into());
+            let sign = Counted::whole(side.all[k as usize].leaves);
             (mean, tilt) = (mean.plus(&sign.times(part)), tilt.plus(&sign.times(part).times(part)));
         }
         let corners = surface.corners(t);

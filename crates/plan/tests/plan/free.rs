@@ -7,6 +7,7 @@ use truth::cells::ArmCell;
 use truth::plans::{Ask, Furnish};
 use truth::pose::Pose;
 use truth::rng::Rng;
+use truth::tally::tenth;
 use truth::{brute, soups::Soup};
 
 fn posed(pose: &Isometry3<f64>) -> Pose {
@@ -75,8 +76,9 @@ fn judge(count: usize, seed: u64) -> [usize; 2] {
 
 #[test]
 fn free_or_not_equals_brute_force() {
-    let tally = judge(1_500, 31);
-    assert!(tally.iter().all(|n| *n > 300), "{tally:?}");
+    let count = tenth(1_500);
+    let tally = judge(count, 31);
+    assert!(tally.iter().all(|n| *n > count / 5), "{tally:?}");
 }
 
 #[test]
