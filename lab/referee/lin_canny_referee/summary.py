@@ -91,7 +91,7 @@ def picture(rows: list[Row]) -> str:
     lowest = TOP - LINE
     for r in drawn:
         lowest = at = max(lowest + LINE, y(r.worst))
-        colour = "#0a7d32" if r.engine == "lin_canny" else "#b33"
+        colour = "#0a7d32" if r.engine.startswith("lin_canny") else "#b33"
         px, py = x(r.nanoseconds), y(r.worst)
         out.append(f'<path d="M{px:.1f} {py:.1f}L{WIDTH - RIGHT + 6} {at:.1f}" stroke="{colour}" opacity="0.35"/>')
         out.append(f'<circle cx="{px:.1f}" cy="{py:.1f}" r="6" fill="{colour}"/>')

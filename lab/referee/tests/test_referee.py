@@ -28,10 +28,12 @@ FAULTS = {
     "frame of the other body": ("pose_a, pose_b = pose_b, pose_a", "answer", "wrong", None),
 }
 PROGRAM = shutil.which("cases")
+GRADED = ("parry", "lin_canny_walk", "lin_canny_exact")
+"""What the program `grade` answers."""
 
 
 def is_installed(engine):
-    if engine == "parry":
+    if engine in GRADED:
         return shutil.which("grade") is not None
     return importlib.util.find_spec(PACKAGES.get(engine, engine)) is not None
 
@@ -176,7 +178,7 @@ def test_code_of_worst_cases_gives_the_answer_again(engine, tmp_path):
     main(["--engine", str(file), "--suite", "core", "--options", "default", "--only", "2", "--worst", str(worst),
           *(["--cases", PROGRAM] if PROGRAM else [])])
     entries = [json.loads(x) for x in worst.read_text().splitlines()]
-    if engine == "parry":
+    if engine in GRADED:
         pytest.skip("its code is Rust")
     if engine == "distance3d":
         pytest.skip("its EPA reads rows of a simplex that its GJK did not set: a depth may differ from run to run")
