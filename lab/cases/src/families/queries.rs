@@ -68,14 +68,21 @@ pub(super) fn points<W: Write>(m: &mut Maker<W>) -> io::Result<()> {
     Ok(())
 }
 
-/// Two meshes on a lattice (ties), at random turns, equal or nearly so, and a little before and after
+/// Two meshes flush on each other, on a lattice (ties), at random turns, equal or nearly so, and a little before and after
 /// contact.
 pub(super) fn pairs<W: Write>(m: &mut Maker<W>) -> io::Result<()> {
     let meshes = meshes(m);
     for k in 0..m.count {
         let (a, b) = (m.pick(&meshes), m.pick(&meshes));
+        let heights = [a, b].map(|id| m.points(id).iter().map(|p| p[2]).fold(0.0, f64::max));
         let rng = &mut m.rng;
         match k % 4 {
+            0 if k % 8 == 0 => {
+                // All meshes are flat above and below.
+                let [x, y] = [(); 2].map(|()| rng.int(-2, 2) as f64 * 0.25);
+                let pose_b = Pose::shift([x, y, heights[0] + heights[1]]);
+                m.meshes("flush", (a, Pose::IDENTITY), (b, pose_b))?;
+            }
             0 => {
                 let steps = |rng: &mut Rng| -> Point { std::array::from_fn(|_| rng.int(-4, 4) as f64 * 0.5) };
                 let pose_a = Pose::shift(steps(rng));
