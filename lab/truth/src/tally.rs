@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// Returns whether the slowest families of tests run whole: `.ci/run` sets `LIN_CANNY_WHOLE`.
+/// Returns whether the slowest families of tests run whole: `.ci/nightly` sets `LIN_CANNY_WHOLE`.
 #[must_use]
 pub fn is_whole() -> bool {
     std::env::var_os("LIN_CANNY_WHOLE").is_some()
