@@ -82,7 +82,7 @@ fn bodies_of_all_kinds_against_meshes_equal_all_pairs() {
     let mut tally = [0; 2];
     let soup = soups::torus(16, 8, 0.3);
     let m = mesh(&soup);
-    for seed in 0..9 {
+    for seed in 0..12 {
         let mut rng = Rng::new(100 + seed);
         let place = |shape: Shape| {
             let pose = Pose::new(rng.quat(), scale(rng.in_ball(), 0.5));
@@ -92,7 +92,7 @@ fn bodies_of_all_kinds_against_meshes_equal_all_pairs() {
         assert_eq!(body.to_mesh().unwrap_err(), MeshError::Curved { piece: 0 });
         tumble((&soup, &m), &body, 200 + seed, &mut tally);
     }
-    assert!(tally.iter().all(|t| *t > 10), "{tally:?}");
+    assert!(tally.iter().all(|t| *t > 15), "{tally:?}");
 }
 
 #[test]

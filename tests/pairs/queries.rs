@@ -15,11 +15,11 @@ fn answered(seed: u64, count: usize) -> BTreeMap<String, [u32; 4]> {
     let (mut bodies, mut told) = (HashMap::new(), BTreeMap::<String, [u32; 4]>::new());
     for line in Reader::new(&text[..]) {
         match line.expect("a line of the format") {
-            Line::Shape(shape) => drop(bodies.insert(shape.id, body(&shape).expect("a body"))),
+            Line::Shape(shape) => drop(bodies.insert(shape.id, (body(&shape).expect("a body"), shape.shape))),
             Line::Query(case) => {
-                let found = answer(&case.query, case.query.bodies().map(|id| &bodies[&id]));
+                let found = answer(&case.query, case.query.bodies().map(|id| &bodies[&id].0));
                 let found = found.unwrap_or_else(|e| panic!("seed {seed}: {case:?}: {e}"));
-                if let Err(wrong) = judge(&case, &found) {
+                if let Err(wrong) = judge(&case, &found, |id| &bodies[&id].1) {
                     panic!("seed {seed}: {case:?}: {wrong}");
                 }
                 let row = told.entry(case.family).or_default();
@@ -41,7 +41,7 @@ fn queries_of_case_files_are_answered_as_exact_arithmetic_says() {
 }
 
 #[test]
-#[ignore = "minutes: 40,000 queries; cargo test --release --all-features --test pairs of_a_hundred_seeds -- --ignored --nocapture"]
+#[ignore = "some 20 minutes, not yet run to its end: 40,000 queries; cargo test --release --all-features --test pairs of_a_hundred_seeds -- --ignored --nocapture"]
 fn queries_of_a_hundred_seeds_are_answered_as_exact_arithmetic_says() {
     let mut sum = BTreeMap::<String, [u32; 4]>::new();
     for seed in 2..102 {

@@ -3,14 +3,11 @@
 //!
 //! Their builds run with `--locked`, so a dependency added to a member would stop them.
 
+use crate::read;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The workspaces outside the core.
 const WORKSPACES: [&str; 4] = ["crates/capi", "crates/python", "crates/rerun", "crates/study"];
-
-fn read(name: &str) -> String {
-    std::fs::read_to_string(crate::root().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
-}
 
 /// Returns the text of each manifest by the name of its package.
 fn manifests() -> BTreeMap<String, String> {

@@ -14,6 +14,11 @@ mod unsafe_code;
 
 use std::path::Path;
 
+/// Returns the text of a file of the repository.
+pub(crate) fn read(name: &str) -> String {
+    std::fs::read_to_string(root().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
 /// Returns the checkout.
 pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a checkout")

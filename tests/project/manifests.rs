@@ -1,5 +1,6 @@
 //! Promise: the manifests of the published packages agree with each other, with the changelogs and with `release.toml`.
 
+use crate::read;
 use std::collections::BTreeSet;
 
 /// The folders of the published packages.
@@ -15,10 +16,6 @@ const PUBLISHED: [&str; 10] = [
     "crates/robot",
     "crates/verify",
 ];
-
-fn read(name: &str) -> String {
-    std::fs::read_to_string(crate::root().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
-}
 
 fn manifest(folder: &str) -> String {
     read(&format!("{folder}/Cargo.toml"))

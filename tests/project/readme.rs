@@ -1,5 +1,6 @@
 //! Promise: the README shows the example `hello` verbatim, and every file that it links exists.
 
+use crate::read;
 use std::path::Path;
 
 /// The packages of the workspace that have programs, examples or tests.
@@ -21,10 +22,6 @@ const PACKAGES: [&str; 16] = [
     "lab/race",
     "lab/truth",
 ];
-
-fn read(name: &str) -> String {
-    std::fs::read_to_string(crate::root().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
-}
 
 fn bytes(name: &str) -> Vec<u8> {
     std::fs::read(crate::root().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))

@@ -319,6 +319,7 @@ fn nothing_passes_through_unseen() {
         let curved = fly(
             shapes([0.8, 0.5, 0.03])
                 .into_iter()
+                .chain([Shape::cuboid(Vector3::new(0.01, 0.8, 0.8)).unwrap()])
                 .map(|shape| (shape.into(), other.clone()))
                 .collect(),
             queries,
