@@ -157,8 +157,8 @@ fn shifted(query: &Query, by: Point) -> Query {
 /// Judges an answer, given the bodies by their numbers.
 ///
 /// Rounded poses and unit directions move bodies by some 1e-16 of their size. So another state is
-/// right if it is the exact answer of a query that is shifted by the tolerance, and one that only
-/// touches lies between the states on both sides.
+/// right if it is the exact answer of a query that is shifted by the tolerance, or touching if the
+/// shift changes the state.
 ///
 /// # Errors
 /// Returns what is wrong.
@@ -186,8 +186,10 @@ pub fn judge<'s>(case: &QueryCase, found: &Answered, shape: impl Fn(usize) -> &'
     };
     let axes = [0, 1, 2, 3, 4, 5, 6, 7].map(|k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 1 { slack } else { -slack }));
     let is_near = || {
-        axes.iter()
-            .any(|by| solid::solve(&shifted(query, *by), &shape).state == state)
+        axes.iter().any(|by| {
+            let other = solid::solve(&shifted(query, *by), &shape).state;
+            other == state || state == ContactState::Touching && other != truth.state
+        })
     };
     if state == truth.state || truth.state == ContactState::Touching && is_time || is_near() {
         Ok(())
